@@ -1,0 +1,2 @@
+//! The `conray` program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Two-level bounding volume hierarchy with robust ray queries.

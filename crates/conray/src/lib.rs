@@ -1,0 +1,1 @@
+//! Ambient occlusion by cone and ray tracing.

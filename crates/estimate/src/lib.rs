@@ -1,0 +1,1 @@
+//! Settings, plan, backend and the AO methods.

@@ -1,0 +1,12 @@
+//! From files and from code to scenes.
+//!
+//! [`load`] reads OBJ with MTL, glTF 2.0 and GLB, PLY and STL; [`builtin`] makes scenes without any file. Both give a
+//! [`Scene`]: geometry in world units, named views, and a list of [`Warning`]s about what was mended or ignored.
+
+mod builtin;
+mod files;
+mod model;
+
+pub use builtin::{BUILTIN_NAMES, builtin};
+pub use files::{Limits, SceneError, load};
+pub use model::{Scene, Warning, WarningKind};

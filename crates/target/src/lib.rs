@@ -1,0 +1,1 @@
+//! Targets: where surface points come from and where estimates go.

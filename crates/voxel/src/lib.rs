@@ -1,0 +1,1 @@
+//! Sparse voxel octree of opacities and the cone march.
