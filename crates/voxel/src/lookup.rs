@@ -1,0 +1,162 @@
+//! Filtered look-ups: trilinear within a level, linear between two.
+
+use crate::{Octree, level::Level};
+use conray_core::Vec3;
+use glam::IVec3;
+
+/// Opacity about a position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Mean opacity in [0, 1].
+    pub mean: f32,
+    /// Standard deviation of opacity in [0, 1/2].
+    pub sd: f32,
+}
+
+impl Sample {
+    const NOTHING: Self = Self { mean: 0.0, sd: 0.0 };
+
+    fn lerp(self, other: Self, share: f32) -> Self {
+        Self {
+            mean: self.mean + share * (other.mean - self.mean),
+            sd: self.sd + share * (other.sd - self.sd),
+        }
+    }
+}
+
+/// The eight nodes about a position and how near it is to the upper ones, by axis.
+struct Taps {
+    low: IVec3,
+    share: Vec3,
+}
+
+impl Taps {
+    /// `position` in units of leaves; `None` where all eight lie outside the cube, or the position is NaN.
+    #[inline]
+    fn new(position: Vec3, level: usize, side: u32) -> Option<Self> {
+        // Node centres lie at half-integers.
+        let at = position * (1.0 / (1u32 << level) as f32) - 0.5;
+        if !(at.cmpge(Vec3::NEG_ONE).all() && at.cmplt(Vec3::splat(side as f32)).all()) {
+            return None;
+        }
+        // Not negative after adding 1, so truncation is the floor.
+        let low = (at + 1.0).as_ivec3() - 1;
+        Some(Self { low, share: at - low.as_vec3() })
+    }
+
+    /// True where all eight lie in one brick.
+    #[inline]
+    fn is_in_one_brick(&self, side: u32) -> bool {
+        let last = IVec3::splat(side as i32 - 1);
+        self.low.cmpge(IVec3::ZERO).all()
+            && self.low.cmplt(last).all()
+            && (self.low & 7).cmplt(IVec3::splat(7)).all()
+    }
+
+    /// Weight of tap `c`: bit k chooses the upper node on axis k.
+    #[inline]
+    fn weight(&self, c: usize) -> f32 {
+        let on = |k: usize, share: f32| if c >> k & 1 == 1 { share } else { 1.0 - share };
+        on(0, self.share.x) * on(1, self.share.y) * on(2, self.share.z)
+    }
+
+    #[inline]
+    fn cell(&self, c: usize) -> IVec3 {
+        self.low + IVec3::new(c as i32 & 1, c as i32 >> 1 & 1, c as i32 >> 2)
+    }
+
+    /// Calls `visit` with brick, index and weight of each tap in a stored brick.
+    #[inline]
+    fn for_each(&self, level: &Level, mut visit: impl FnMut(u32, usize, f32)) {
+        if self.is_in_one_brick(level.side) {
+            let Some((brick, index)) = level.find(self.low.as_uvec3()) else { return };
+            for c in 0..8 {
+                visit(brick, index + (c & 1) + (c >> 1 & 1) * 8 + (c >> 2) * 64, self.weight(c));
+            }
+            return;
+        }
+        let inside = IVec3::splat(level.side as i32);
+        for c in 0..8 {
+            let cell = self.cell(c);
+            if cell.cmpge(IVec3::ZERO).all()
+                && cell.cmplt(inside).all()
+                && let Some((brick, index)) = level.find(cell.as_uvec3())
+            {
+                visit(brick, index, self.weight(c));
+            }
+        }
+    }
+}
+
+impl Octree {
+    /// Opacity about a world position, with a filter about as wide as two nodes of `level`.
+    ///
+    /// `level` is held within the octree's levels and may be fractional; NaN counts as 0. The result at whole levels
+    /// is trilinear between the centres of the eight nearest nodes, and linear between levels. A position that is
+    /// not finite, or more than half a node outside the cube, gives zero.
+    pub fn sample(&self, level: f32, position: Vec3) -> Sample {
+        let (level, share) = self.split_level(level);
+        let position = self.leaf_units(position);
+        // The coarser filter holds the finer one: where it finds nothing at all, nothing is there.
+        if share > 0.0 {
+            match self.trilinear(level + 1, position) {
+                Some(coarse) => {
+                    self.trilinear(level, position).unwrap_or(Sample::NOTHING).lerp(coarse, share)
+                }
+                None => Sample::NOTHING,
+            }
+        } else {
+            self.trilinear(level, position).unwrap_or(Sample::NOTHING)
+        }
+    }
+
+    /// Opacity across x, y and z about a world position, filtered as in [`Octree::sample`]; zero unless the octree was built
+    /// with [`crate::OctreeOptions::directional`].
+    pub fn sample_axes(&self, level: f32, position: Vec3) -> Vec3 {
+        if !self.is_directional() {
+            return Vec3::ZERO;
+        }
+        let (level, share) = self.split_level(level);
+        let position = self.leaf_units(position);
+        let fine = self.trilinear_axes(level, position);
+        if share > 0.0 { fine.lerp(self.trilinear_axes(level + 1, position), share) } else { fine }
+    }
+
+    /// Whole level and share of the next; the next exists where the share is above 0.
+    #[inline]
+    fn split_level(&self, level: f32) -> (usize, f32) {
+        let level = level.max(0.0).min((self.levels.len() - 1) as f32);
+        (level as usize, level.fract())
+    }
+
+    /// A world position in units of leaves from the cube's corner.
+    #[inline]
+    pub(crate) fn leaf_units(&self, position: Vec3) -> Vec3 {
+        (position - self.grid.origin) / self.grid.voxel_size
+    }
+
+    /// `None` where no triangle touches any of the eight nodes.
+    fn trilinear(&self, level: usize, position: Vec3) -> Option<Sample> {
+        let nodes = &self.levels[level];
+        let taps = Taps::new(position, level, nodes.side)?;
+        let (mut sample, mut touched) = (Sample::NOTHING, false);
+        taps.for_each(nodes, |brick, index, weight| {
+            let (mean, sd) = nodes.mean_sd(brick, index);
+            sample.mean += weight * mean;
+            sample.sd += weight * sd;
+            touched |= nodes.is_occupied(brick, index);
+        });
+        touched.then_some(sample)
+    }
+
+    fn trilinear_axes(&self, level: usize, position: Vec3) -> Vec3 {
+        let nodes = &self.levels[level];
+        let mut opacities = Vec3::ZERO;
+        if let Some(taps) = Taps::new(position, level, nodes.side) {
+            taps.for_each(nodes, |brick, index, weight| {
+                opacities += weight * nodes.axis_opacities(brick, index);
+            });
+        }
+        opacities
+    }
+}
