@@ -1,1 +1,35 @@
 //! Targets: where surface points come from and where estimates go.
+//!
+//! A [`Target`] offers a slice of surface points and, given one estimate for each in the same order, resolves them:
+//!
+//! - [`CameraTarget`] asks for what a [`Camera`] sees and resolves to image [`Layers`], written by [`write_png`]
+//!   (visibility alone) or [`write_exr`] (all layers and the settings);
+//! - [`PointsTarget`] asks for the vertices of a PLY file and writes the same file with their visibility added.
+//!
+//! The crate traces nothing itself: primary hits come in through a closure. Every file is written to a temporary name
+//! and renamed ([`write_atomically`]), so that a failure loses no earlier file. [`compare`] says how far two images are
+//! apart. Visibility is linear everywhere, 1 is open.
+
+mod atomic;
+mod camera;
+mod camera_target;
+mod error;
+mod exr;
+mod fill;
+mod input;
+mod layers;
+mod metrics;
+mod ply;
+mod png;
+mod target;
+
+pub use atomic::{check_writable, write_atomically};
+pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};
+pub use camera_target::CameraTarget;
+pub use error::{Fault, TargetError};
+pub use exr::{ExrImage, read_exr_channels, write_exr};
+pub use layers::{Channel, Layers};
+pub use metrics::{Metrics, compare};
+pub use ply::{MAX_POINTS, PlyError, PointValues, PointsTarget, Skipped};
+pub use png::{GreyImage, PngDepth, encode_png, read_png, write_png};
+pub use target::Target;
