@@ -118,6 +118,11 @@ impl TriangleCells {
         }
     }
 
+    /// Order in which coordinates change from cell to cell: the first slowest.
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
     /// Calls `visit` with each cell between `low` and `high`, both included, that the triangle touches.
     #[inline]
     pub(crate) fn for_each(&self, low: IVec3, high: IVec3, mut visit: impl FnMut(IVec3)) {

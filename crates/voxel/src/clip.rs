@@ -7,6 +7,40 @@ use glam::{DVec3, IVec3};
 /// A triangle clipped by six planes has at most nine corners.
 const MOST: usize = 9;
 
+/// Clips a triangle to cells that are visited row by row, sharing the work of a row and of a column.
+pub(crate) struct CellClipper {
+    axes: [usize; 3],
+    triangle: Polygon,
+    row: (i32, Polygon),
+    column: (i32, Polygon),
+}
+
+impl CellClipper {
+    /// `axes` says which coordinate of the cells changes slowest, and which fastest.
+    pub(crate) fn new(corners: [DVec3; 3], axes: [usize; 3]) -> Self {
+        let triangle = Polygon::triangle(corners);
+        Self { axes, triangle, row: (i32::MIN, triangle), column: (i32::MIN, triangle) }
+    }
+
+    /// The piece of the triangle in the cell from `cell` to `cell + 1`.
+    #[inline]
+    pub(crate) fn in_cell(&mut self, cell: IVec3) -> Polygon {
+        let [u, v, w] = self.axes;
+        if self.row.0 != cell[u] {
+            self.row = (cell[u], self.triangle);
+            self.row.1.clip(u, f64::from(cell[u]));
+            self.column.0 = i32::MIN;
+        }
+        if self.column.0 != cell[v] {
+            self.column = (cell[v], self.row.1);
+            self.column.1.clip(v, f64::from(cell[v]));
+        }
+        let mut piece = self.column.1;
+        piece.clip(w, f64::from(cell[w]));
+        piece
+    }
+}
+
 /// A convex planar polygon of few corners.
 #[derive(Clone, Copy)]
 pub(crate) struct Polygon {
@@ -22,24 +56,16 @@ impl Polygon {
         Self { corners: all, count: 3 }
     }
 
-    /// The piece of a triangle in the cell from `cell` to `cell + 1`.
+    /// Keeps what lies in `[low, low + 1)` on an axis.
     ///
     /// A cell owns its lower faces and not its upper ones, so that a triangle lying between two cells counts once.
-    pub(crate) fn in_cell(corners: [DVec3; 3], cell: IVec3) -> Self {
-        let mut piece = Self::triangle(corners);
-        let low = cell.as_dvec3();
-        for axis in 0..3 {
-            piece.clip(axis, low[axis]);
-        }
-        piece
-    }
-
-    /// Keeps what lies in `[low, low + 1)` on an axis.
-    fn clip(&mut self, axis: usize, low: f64) {
+    #[inline]
+    pub(crate) fn clip(&mut self, axis: usize, low: f64) {
         let high = low + 1.0;
-        let on_axis = || self.corners[..self.count].iter().map(|c| c[axis]);
-        let (least, most) =
-            on_axis().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for c in self.corners() {
+            (least, most) = (least.min(c[axis]), most.max(c[axis]));
+        }
         if least >= high || most < low {
             self.count = 0;
             return;
@@ -114,10 +140,11 @@ mod tests {
         fn pieces_add_up_to_the_triangle(p in corner(), q in corner(), r in corner()) {
             let whole = Polygon::triangle([p, q, r]).area_vector();
             let mut sum = DVec3::ZERO;
+            let mut clipper = CellClipper::new([p, q, r], [2, 1, 0]);
             // One more layer than the corners reach: pieces on an upper face belong to the next cell.
             for i in 0..125 {
                 let cell = IVec3::new(i % 5, i / 5 % 5, i / 25);
-                let piece = Polygon::in_cell([p, q, r], cell);
+                let piece = clipper.in_cell(cell);
                 for c in piece.corners() {
                     let local = *c - cell.as_dvec3();
                     prop_assert!(local.min_element() > -1e-12 && local.max_element() < 1.0 + 1e-12);
@@ -132,7 +159,7 @@ mod tests {
     fn the_hexagon_across_a_cell() {
         // The plane x + y + z = 3/2 cuts the unit cube in a regular hexagon of edge 1 / sqrt 2.
         let corners = [DVec3::new(-4.0, 1.5, 4.0), DVec3::new(4.0, -6.5, 4.0), DVec3::new(4.0, 1.5, -4.0)];
-        let piece = Polygon::in_cell(corners, IVec3::ZERO);
+        let piece = CellClipper::new(corners, [0, 1, 2]).in_cell(IVec3::ZERO);
         assert_eq!(piece.corners().len(), 6);
         assert!((piece.area_vector().length() - 0.75 * 3f64.sqrt()).abs() < 1e-12);
         assert!((piece.middle() - 0.5).length() < 1e-12);

@@ -1,6 +1,6 @@
 //! How much of a leaf's three faces a piece of a triangle covers.
 
-use crate::clip::Polygon;
+use crate::clip::{CellClipper, Polygon};
 use conray_core::{Geometry, Opacity};
 use glam::{DVec2, DVec3, IVec3};
 
@@ -9,7 +9,7 @@ const MOST_ROWS: f64 = 4.0;
 
 /// A triangle in leaf units with its opacity.
 pub(crate) struct CoverageTriangle<'a> {
-    corners: [DVec3; 3],
+    clipper: CellClipper,
     opacity: PieceOpacity<'a>,
 }
 
@@ -31,21 +31,28 @@ struct TexturedTriangle<'a> {
 }
 
 impl<'a> CoverageTriangle<'a> {
-    /// Triangle `triangle` of mesh `mesh` with its corners in leaf units.
-    pub(crate) fn new(geometry: &'a Geometry, mesh: usize, triangle: usize, corners: [DVec3; 3]) -> Self {
+    /// Triangle `triangle` of mesh `mesh` with its corners in leaf units; cells come in the order of `axes`.
+    pub(crate) fn new(
+        geometry: &'a Geometry,
+        mesh: usize,
+        triangle: usize,
+        corners: [DVec3; 3],
+        axes: [usize; 3],
+    ) -> Self {
         let opacity = match geometry.opacity(mesh) {
             Opacity::Constant(a) => PieceOpacity::Constant(f64::from(*a).clamp(0.0, 1.0)),
             Opacity::Texture(_) => {
                 PieceOpacity::Texture(TexturedTriangle::new(geometry, mesh, triangle, corners))
             }
         };
-        Self { corners, opacity }
+        Self { clipper: CellClipper::new(corners, axes), opacity }
     }
 
     /// Coverage of the faces across x, y and z of the cell by the triangle's piece inside it, each in [0, sqrt 2].
     #[inline]
-    pub(crate) fn in_cell(&self, cell: IVec3) -> DVec3 {
-        self.of_piece(&Polygon::in_cell(self.corners, cell))
+    pub(crate) fn in_cell(&mut self, cell: IVec3) -> DVec3 {
+        let piece = self.clipper.in_cell(cell);
+        self.of_piece(&piece)
     }
 
     fn of_piece(&self, piece: &Polygon) -> DVec3 {

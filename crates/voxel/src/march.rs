@@ -55,8 +55,13 @@ pub struct ConeResult {
 }
 
 impl Octree {
+    /// Marches a cone with the default options.
+    pub fn march(&self, query: &ConeQuery) -> ConeResult {
+        self.march_with(query, &MarchOptions::default())
+    }
+
     /// Marches.
-    pub fn march(&self, q: &ConeQuery, o: &MarchOptions) -> ConeResult {
+    pub fn march_with(&self, q: &ConeQuery, o: &MarchOptions) -> ConeResult {
         let vs = self.voxel_size();
         let tan2 = 2.0 * q.half_angle_rad.tan() * o.width;
         let cos = q.normal.dot(q.axis);

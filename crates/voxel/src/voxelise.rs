@@ -139,9 +139,12 @@ impl Part<'_> {
         leaves: &mut [LeafBrick],
         sums: &mut [[[f32; 512]; 3]],
     ) {
-        let covering = CoverageTriangle::new(self.geometry, placed.mesh as usize, triangle as usize, corners);
+        let cells = TriangleCells::new(corners, placed.pad);
+        let mesh = placed.mesh as usize;
+        let mut covering =
+            CoverageTriangle::new(self.geometry, mesh, triangle as usize, corners, cells.axes());
         let last = IVec3::splat(CHUNK.min(self.grid.resolution) as i32 - 1);
-        TriangleCells::new(corners, placed.pad).for_each(low, low + last, |cell| {
+        cells.for_each(low, low + last, |cell| {
             let local = (cell - low).as_uvec3();
             let bit = morton::encode(local / 8);
             debug_assert!(self.words[0] >> bit & 1 == 1, "the marks cover every leaf");
