@@ -26,7 +26,7 @@ impl CameraTarget {
     /// as if nothing had been met, and counted ([`CameraTarget::unusable_hits`]).
     pub fn trace(camera: Camera, hit: impl Fn(&Ray) -> Option<SurfacePoint> + Sync) -> Self {
         let (width, height) = (camera.width(), camera.height());
-        let hits: Vec<SurfacePoint> = (0..tile_count(width, height))
+        let mut points: Vec<SurfacePoint> = (0..tile_count(width, height))
             .into_par_iter()
             .flat_map_iter(|tile| tile_pixels(width, height, tile))
             .filter_map(|(px, py)| {
@@ -35,8 +35,8 @@ impl CameraTarget {
                 Some(SurfacePoint { id: py * width + px, footprint, ..point })
             })
             .collect();
-        let met = hits.len();
-        let points: Vec<_> = hits.into_iter().filter(SurfacePoint::is_valid).collect();
+        let met = points.len();
+        points.retain(SurfacePoint::is_valid);
         Self { camera, unusable_hits: met - points.len(), points }
     }
 

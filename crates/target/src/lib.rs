@@ -9,6 +9,24 @@
 //! The crate traces nothing itself: primary hits come in through a closure. Every file is written to a temporary name
 //! and renamed ([`write_atomically`]), so that a failure loses no earlier file. [`compare`] says how far two images are
 //! apart. Visibility is linear everywhere, 1 is open.
+//!
+//! ```
+//! use conray_core::{Estimate, SurfacePoint, Vec3, View};
+//! use conray_target::{Camera, CameraTarget, PngDepth, Target, write_png};
+//!
+//! let (eye, look_at, up) = (Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, Vec3::Y);
+//! let view = View { name: "front".into(), eye, look_at, up, vertical_fov_deg: 40.0 };
+//! // A plane through the origin stands in for a scene.
+//! let target = CameraTarget::trace(Camera::new(&view, 64, 48)?, |ray| {
+//!     let t = -ray.origin.z / ray.direction.z;
+//!     Some(SurfacePoint::new(ray.origin + t * ray.direction, Vec3::Z))
+//! });
+//! let open = Estimate { visibility: 1.0, error: 0.0, rays: 0, bent: Vec3::Z, cone: None };
+//! let layers = target.resolve(&vec![open; target.points().len()])?;
+//! let folder = tempfile::tempdir()?;
+//! write_png(folder.path().join("ao.png"), &layers, PngDepth::Eight)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod atomic;
 mod camera;

@@ -6,6 +6,9 @@ use std::ops::Range;
 /// Longest header that is read.
 const MAX_HEADER_BYTES: usize = 1 << 20;
 
+/// Most elements of a file and properties of an element.
+const MAX_PARTS: usize = 1024;
+
 /// How the body is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -152,6 +155,9 @@ fn new_element(earlier: &[Element], name: &str, count: &str) -> Result<Element, 
     if earlier.iter().any(|e| e.name == name) {
         return Err(format!("there are two elements {name}"));
     }
+    if earlier.len() == MAX_PARTS {
+        return Err(format!("there are more than {MAX_PARTS} elements"));
+    }
     Ok(Element { name: name.into(), count, properties: Vec::new() })
 }
 
@@ -170,6 +176,9 @@ fn new_property(element: &Element, words: &[&str], line: Range<usize>) -> Result
     };
     if element.properties.iter().any(|p| p.name == *name) {
         return Err(format!("element {} has two properties {name}", element.name));
+    }
+    if element.properties.len() == MAX_PARTS {
+        return Err(format!("element {} has more than {MAX_PARTS} properties", element.name));
     }
     Ok(Property { name: (*name).into(), kind, line })
 }
