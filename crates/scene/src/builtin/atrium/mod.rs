@@ -1,0 +1,5 @@
+use super::assembly::Assembly;
+use crate::Scene;
+pub(crate) fn atrium() -> Scene {
+    Assembly::new("atrium").finish()
+}
