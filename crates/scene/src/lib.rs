@@ -5,8 +5,9 @@
 
 mod builtin;
 mod files;
+mod inspect;
 mod model;
 
 pub use builtin::{BUILTIN_NAMES, builtin};
-pub use files::{Limits, SceneError, load};
+pub use files::{CREASE_ANGLE_DEG, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes};
 pub use model::{Scene, Warning, WarningKind};
