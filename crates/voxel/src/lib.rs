@@ -27,12 +27,13 @@ mod morton;
 mod octree;
 mod options;
 mod region;
+mod skip;
 mod upward;
 mod validate;
 mod voxelise;
 
 pub use error::VoxelError;
 pub use lookup::Sample;
-pub use march::{ConeQuery, ConeResult, MarchOptions};
+pub use march::{ConeQuery, ConeResult, Density, MarchOptions};
 pub use octree::Octree;
 pub use options::{OctreeOptions, OctreeStats};

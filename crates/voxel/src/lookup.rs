@@ -25,7 +25,7 @@ impl Sample {
 }
 
 /// The eight nodes about a position and how near it is to the upper ones, by axis.
-struct Taps {
+pub(crate) struct Taps {
     low: IVec3,
     share: Vec3,
 }
@@ -33,7 +33,7 @@ struct Taps {
 impl Taps {
     /// `position` in units of leaves; `None` where all eight lie outside the cube, or the position is NaN.
     #[inline]
-    fn new(position: Vec3, level: usize, side: u32) -> Option<Self> {
+    pub(crate) fn new(position: Vec3, level: usize, side: u32) -> Option<Self> {
         // Node centres lie at half-integers.
         let at = position * (1.0 / (1u32 << level) as f32) - 0.5;
         if !(at.cmpge(Vec3::NEG_ONE).all() && at.cmplt(Vec3::splat(side as f32)).all()) {
@@ -63,6 +63,18 @@ impl Taps {
     #[inline]
     fn cell(&self, c: usize) -> IVec3 {
         self.low + IVec3::new(c as i32 & 1, c as i32 >> 1 & 1, c as i32 >> 2)
+    }
+
+    /// The lowest of the eight.
+    pub(crate) fn low(&self) -> IVec3 {
+        self.low
+    }
+
+    /// True where no triangle touches any of the eight.
+    pub(crate) fn is_empty(&self, level: &Level) -> bool {
+        let mut empty = true;
+        self.for_each(level, |brick, index, _| empty &= !level.is_occupied(brick, index));
+        empty
     }
 
     /// Calls `visit` with brick, index and weight of each tap in a stored brick.
@@ -95,29 +107,34 @@ impl Octree {
     /// is trilinear between the centres of the eight nearest nodes, and linear between levels. A position that is
     /// not finite, or more than half a node outside the cube, gives zero.
     pub fn sample(&self, level: f32, position: Vec3) -> Sample {
+        self.sample_leaf_units(level, self.leaf_units(position)).unwrap_or(Sample::NOTHING)
+    }
+
+    /// The same for a position in leaf units; `None` where no triangle touches any node in the filter's reach.
+    #[inline]
+    pub(crate) fn sample_leaf_units(&self, level: f32, position: Vec3) -> Option<Sample> {
         let (level, share) = self.split_level(level);
-        let position = self.leaf_units(position);
-        // The coarser filter holds the finer one: where it finds nothing at all, nothing is there.
         if share > 0.0 {
-            match self.trilinear(level + 1, position) {
-                Some(coarse) => {
-                    self.trilinear(level, position).unwrap_or(Sample::NOTHING).lerp(coarse, share)
-                }
-                None => Sample::NOTHING,
-            }
+            // The coarser filter holds the finer one: where it finds nothing, nothing is there.
+            let coarse = self.trilinear(level + 1, position)?;
+            Some(self.trilinear(level, position).unwrap_or(Sample::NOTHING).lerp(coarse, share))
         } else {
-            self.trilinear(level, position).unwrap_or(Sample::NOTHING)
+            self.trilinear(level, position)
         }
     }
 
     /// Opacity across x, y and z about a world position, filtered as in [`Octree::sample`]; zero unless the octree was built
     /// with [`crate::OctreeOptions::directional`].
     pub fn sample_axes(&self, level: f32, position: Vec3) -> Vec3 {
+        self.axes_leaf_units(level, self.leaf_units(position))
+    }
+
+    /// The same for a position in leaf units.
+    pub(crate) fn axes_leaf_units(&self, level: f32, position: Vec3) -> Vec3 {
         if !self.is_directional() {
             return Vec3::ZERO;
         }
         let (level, share) = self.split_level(level);
-        let position = self.leaf_units(position);
         let fine = self.trilinear_axes(level, position);
         if share > 0.0 { fine.lerp(self.trilinear_axes(level + 1, position), share) } else { fine }
     }
