@@ -1,2 +1,36 @@
-//! The `conray` program.
-fn main() {}
+//! The `conray` program: thin over the library. It reads options, carries out one command and reports.
+
+mod args;
+mod compare;
+mod failure;
+mod info;
+mod inputs;
+mod interrupt;
+mod render;
+mod report;
+mod sample;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    if std::env::args_os().len() == 1 {
+        // Without a command: help is what was meant, and not an error. A closed pipe is no reason to complain.
+        let _ = Cli::command().print_long_help();
+        return ExitCode::SUCCESS;
+    }
+    let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Sample(args) => sample::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("conray: {failure}");
+            failure.code()
+        }
+    }
+}

@@ -1,1 +1,50 @@
-//! Ambient occlusion by cone and ray tracing.
+//! Ambient occlusion by combining voxel cone tracing with ray tracing.
+//!
+//! A [`Session`] holds what was built for one scene - a BVH for rays and, where the method marches cones, an octree -
+//! and answers any number of questions: surface points in, [`Estimate`]s out. No files are needed:
+//!
+//! ```
+//! use conray::{AoSettings, Geometry, Method, Session, SurfacePoint, TriangleMesh, Affine3A, Vec3};
+//!
+//! // A ceiling, 20 units wide, half a unit above the point asked about.
+//! let corners = [(-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0)].map(|(x, y)| Vec3::new(x, y, 0.5));
+//! let mut geometry = Geometry::default();
+//! let ceiling = geometry.add_mesh(TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?)?;
+//! geometry.add_instance(ceiling, Affine3A::IDENTITY)?;
+//!
+//! let settings = AoSettings { method: Method::Rays, distance: 1.0.into(), rays: 1024, ..Default::default() };
+//! let session = Session::build(geometry, &settings)?;
+//! let estimates = session.estimate(&[SurfacePoint::new(Vec3::ZERO, Vec3::Z)])?;
+//!
+//! // Rays that reach the ceiling within the distance of 1 lean less than 60 degrees: (h / D)^2 stays open.
+//! assert!((estimates[0].visibility - 0.25).abs() < 0.01);
+//! # Ok::<(), conray::Error>(())
+//! ```
+//!
+//! The same mesh may be placed often ([`Geometry::add_instance`] with other transforms) and is stored once.
+//! Long work is followed and stopped through [`Session::run`]. Files, cameras and images are beside it:
+//! [`scene::load`] and [`scene::builtin`] give a [`scene::Scene`]; [`target`] has the camera image and point clouds.
+//!
+//! The same settings and seed give the same bits, whatever the number of threads. There is no global state.
+
+mod error;
+mod events;
+mod passes;
+mod session;
+
+pub use conray_core::{
+    Affine2, Affine3A, AlphaTexture, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry, GeometryError,
+    Instance, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity, TriangleMesh, Vec2, Vec3, View, Wrap,
+};
+pub use conray_estimate::{
+    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, Control, CpuBackend, Distance, Method,
+    SettingsError, limits,
+};
+pub use conray_scene as scene;
+pub use conray_target as target;
+pub use conray_voxel::VoxelError;
+
+pub use error::Error;
+pub use events::{Event, Observer, Stage};
+pub use passes::Outcome;
+pub use session::{BuildReport, Session, SessionOptions};

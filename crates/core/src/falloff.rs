@@ -1,9 +1,11 @@
 //! How an occluder's weight fades with its distance.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Weight of an occluder at a given share of the AO distance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Falloff {
     /// Every occluder within the AO distance counts fully.
     #[default]

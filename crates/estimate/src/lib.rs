@@ -1,1 +1,21 @@
-//! Settings, plan, backend and the AO methods.
+//! From settings to estimates: what a person asks for, the plan made from it, and the methods that carry it out.
+//!
+//! ```text
+//! AoSettings --validate, with the scene's bounds--> AoPlan --Backend::estimate(points)--> [Estimate]
+//! ```
+//!
+//! A [`Backend`] is a slice of surface points in and a slice of estimates out. [`CpuBackend`] carries out every
+//! [`Method`] with a BVH and, where the method marches cones, an octree.
+
+mod backend;
+mod cpu;
+mod distance;
+mod methods;
+mod plan;
+mod settings;
+
+pub use backend::{Backend, BackendError, Control, merge};
+pub use cpu::CpuBackend;
+pub use distance::{AUTO_DISTANCE_SHARE, Distance};
+pub use plan::AoPlan;
+pub use settings::{Alpha, AoSettings, Method, SettingsError, limits};

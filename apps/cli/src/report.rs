@@ -1,0 +1,189 @@
+//! What the program tells while it works and when it is done.
+
+use conray::{AoSettings, BuildReport, Event, Outcome, Stage, scene::Scene};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use std::io::Write;
+
+/// Sends events to a progress bar, or to standard output as JSON lines.
+pub(crate) struct Reporter {
+    json: bool,
+    quiet: bool,
+    bar: ProgressBar,
+}
+
+impl Reporter {
+    pub(crate) fn new(json: bool, quiet: bool) -> Self {
+        // indicatif draws nothing where standard error is no terminal.
+        let bar = if json || quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        bar.set_style(
+            ProgressStyle::with_template("{msg:8} {wide_bar} {percent:>3} %  {eta} left")
+                .unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
+        Self { json, quiet, bar }
+    }
+
+    /// Passes one event on.
+    pub(crate) fn event(&self, event: Event) {
+        if self.json {
+            self.json_line(&event_json(&event));
+        }
+        match event {
+            Event::Started { stage } => {
+                self.bar.set_message(stage.name());
+                self.bar.tick();
+            }
+            Event::Progress { done, total, .. } => {
+                self.bar.set_length(total);
+                self.bar.set_position(done);
+            }
+            Event::Finished { stage, .. } => {
+                if stage == Stage::Estimate {
+                    self.bar.finish_and_clear();
+                }
+            }
+            Event::Warning { message } => self.warn(&message),
+        }
+    }
+
+    /// Tells about something odd, on standard error.
+    pub(crate) fn warn(&self, message: &str) {
+        self.bar.suspend(|| eprintln!("warning: {message}"));
+    }
+
+    /// Tells what is odd about a scene, in one line a kind.
+    pub(crate) fn scene_warnings(&self, scene: &Scene) {
+        for warning in &scene.warnings {
+            self.event(Event::Warning { message: format!("{}: {warning}", scene.name) });
+        }
+    }
+
+    /// The one summary at the end: lines for people, or one JSON line.
+    pub(crate) fn summary(&self, lines: &[String], facts: Value) {
+        self.bar.finish_and_clear();
+        if self.json {
+            let mut line = json!({ "event": "summary" });
+            if let (Value::Object(line), Value::Object(facts)) = (&mut line, facts) {
+                line.extend(facts);
+            }
+            self.json_line(&line);
+        } else if !self.quiet {
+            print_lines(lines);
+        }
+    }
+
+    fn json_line(&self, value: &Value) {
+        print_lines(&[value.to_string()]);
+    }
+}
+
+/// Prints to standard output; a reader that went away is no reason to fail.
+pub(crate) fn print_lines(lines: &[String]) {
+    let mut out = std::io::stdout().lock();
+    for line in lines {
+        let _ = writeln!(out, "{line}");
+    }
+}
+
+fn event_json(event: &Event) -> Value {
+    match event {
+        Event::Started { stage } => json!({ "event": "started", "stage": stage.name() }),
+        Event::Progress { stage, done, total } => {
+            json!({ "event": "progress", "stage": stage.name(), "done": done, "total": total })
+        }
+        Event::Finished { stage, seconds } => {
+            json!({ "event": "finished", "stage": stage.name(), "seconds": seconds })
+        }
+        Event::Warning { message } => json!({ "event": "warning", "message": message }),
+    }
+}
+
+/// Settings that differ from the defaults, as options of the program.
+pub(crate) fn changed_settings(settings: &AoSettings) -> Vec<(String, String)> {
+    let defaults = settings_text(&AoSettings::default());
+    settings_text(settings).into_iter().filter(|pair| !defaults.contains(pair)).collect()
+}
+
+/// Every setting as text.
+pub(crate) fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
+    let Ok(Value::Object(members)) = serde_json::to_value(settings) else { return Vec::new() };
+    let text = |value: Value| match value {
+        Value::String(text) => text,
+        other => other.to_string(),
+    };
+    members.into_iter().map(|(name, value)| (name, text(value))).collect()
+}
+
+/// Lines about builds, work and memory.
+pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, outcome: &Outcome) -> Vec<String> {
+    let mut builds = format!("BVH {:.2} s, {}", build.bvh_seconds, bytes(build.bvh_bytes));
+    if build.voxels > 0 {
+        builds += &format!(
+            "; octree of {} voxels {:.2} s, {}",
+            build.voxels,
+            build.octree_seconds,
+            bytes(build.octree_bytes)
+        );
+    }
+    let mut work = format!("method {}: {:.2} s", settings.method, outcome.seconds);
+    for (count, what) in [(outcome.rays, "rays"), (outcome.cones, "cones")] {
+        if count > 0 {
+            work += &format!(", {} {what}", millions(count));
+        }
+    }
+    let mut lines = vec![builds, work];
+    if let Some(peak) = peak_memory() {
+        lines.push(format!("peak memory {}", bytes(peak)));
+    }
+    let changed: Vec<String> =
+        changed_settings(settings).into_iter().map(|(name, value)| format!("--{name} {value}")).collect();
+    if !changed.is_empty() {
+        lines.push(format!("settings other than the defaults: {}", changed.join(" ")));
+    }
+    lines
+}
+
+/// The same facts for programs.
+pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, outcome: &Outcome) -> Value {
+    json!({
+        "completed": outcome.completed,
+        "bvh": { "seconds": build.bvh_seconds, "bytes": build.bvh_bytes },
+        "octree": { "seconds": build.octree_seconds, "bytes": build.octree_bytes, "voxels": build.voxels },
+        "seconds": outcome.seconds,
+        "points": outcome.estimates.len(),
+        "rays": outcome.rays,
+        "cones": outcome.cones,
+        "peak_memory_bytes": peak_memory(),
+        "settings": settings,
+        "changed_settings": changed_settings(settings).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+    })
+}
+
+/// Mean visibility and expected error over the points that were reached.
+pub(crate) fn means(outcome: &Outcome) -> Option<(f64, f64)> {
+    let reached = || outcome.estimates.iter().filter(|e| !e.is_pending() && e.error.is_finite());
+    let count = reached().count() as f64;
+    let visibility = reached().map(|e| f64::from(e.visibility)).sum::<f64>() / count;
+    let squared_error = reached().map(|e| f64::from(e.error).powi(2)).sum::<f64>() / count;
+    (count > 0.0).then(|| (visibility, squared_error.sqrt()))
+}
+
+/// Most memory that the process has held, where the system tells.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// Bytes for people.
+pub(crate) fn bytes(count: u64) -> String {
+    match count {
+        0..10_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.0} MB", count as f64 / 1e6),
+        _ => format!("{:.1} GB", count as f64 / 1e9),
+    }
+}
+
+fn millions(count: u64) -> String {
+    if count < 1_000_000 { count.to_string() } else { format!("{:.1} million", count as f64 / 1e6) }
+}

@@ -1,0 +1,201 @@
+//! A session: what was built for one scene, ready to answer.
+
+use crate::{Error, Event, Observer, Stage};
+use conray_bvh::Bvh;
+use conray_core::{Bounds, Estimate, Geometry, SurfacePoint, Vec2, Vec3, View};
+use conray_estimate::{Alpha, AoPlan, AoSettings, Control, CpuBackend, SettingsError};
+use conray_target::{Camera, CameraTarget};
+use conray_voxel::{Octree, OctreeOptions};
+use std::{sync::Arc, time::Instant};
+
+/// How a session works; nothing here changes a result.
+#[derive(Clone, Debug, Default)]
+pub struct SessionOptions {
+    /// Threads to work on; 0 is one per core.
+    pub threads: usize,
+}
+
+/// Times and sizes of what was built.
+#[derive(Clone, Debug, Default)]
+pub struct BuildReport {
+    /// Wall-clock time of the BVH build.
+    pub bvh_seconds: f64,
+    /// Size of the BVH.
+    pub bvh_bytes: u64,
+    /// Wall-clock time of the octree build; 0 without one.
+    pub octree_seconds: f64,
+    /// Size of the octree; 0 without one.
+    pub octree_bytes: u64,
+    /// Leaves along the longest side of the scene; 0 without an octree, less than asked for where memory was short.
+    pub voxels: u32,
+}
+
+/// A scene made ready for AO queries.
+pub struct Session {
+    pub(crate) geometry: Arc<Geometry>,
+    pub(crate) bounds: Bounds,
+    pub(crate) plan: AoPlan,
+    pub(crate) bvh: Arc<Bvh>,
+    pub(crate) octree: Option<Arc<Octree>>,
+    pub(crate) backend: CpuBackend,
+    pub(crate) pool: rayon::ThreadPool,
+    report: BuildReport,
+}
+
+impl Session {
+    /// Builds what the settings need for a scene, on all cores.
+    ///
+    /// # Errors
+    /// A setting outside its range, or too little memory allowed for the smallest octree.
+    pub fn build(geometry: Geometry, settings: &AoSettings) -> Result<Self, Error> {
+        Self::build_observed(geometry, settings, &SessionOptions::default(), &|_| {})
+    }
+
+    /// As [`Session::build`], with options and a receiver of events.
+    pub fn build_observed(
+        mut geometry: Geometry,
+        settings: &AoSettings,
+        options: &SessionOptions,
+        observer: Observer<'_>,
+    ) -> Result<Self, Error> {
+        let bounds = geometry.bounds();
+        let plan = AoPlan::new(settings, bounds)?;
+        let threads = options.threads;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::Threads { threads, reason: e.to_string() })?;
+        if settings.alpha == Alpha::Opaque {
+            geometry.make_opaque();
+        }
+        let geometry = Arc::new(geometry);
+        let (bvh, bvh_seconds) =
+            timed(Stage::Bvh, observer, || pool.install(|| Bvh::build(Arc::clone(&geometry))))?;
+        let mut report = BuildReport { bvh_seconds, bvh_bytes: bvh.memory_bytes(), ..Default::default() };
+        let octree = if settings.method.needs_octree() {
+            let options = octree_options(settings, &geometry, report.bvh_bytes)?;
+            let (octree, seconds) =
+                timed(Stage::Octree, observer, || pool.install(|| Octree::build(&geometry, &options)))?;
+            report.octree_seconds = seconds;
+            report.octree_bytes = octree.memory_bytes();
+            report.voxels = octree.resolution();
+            if report.voxels < settings.voxels {
+                let message = format!(
+                    "the octree has {} voxels along the longest side instead of {}, to stay within the memory allowed",
+                    report.voxels, settings.voxels
+                );
+                observer(Event::Warning { message });
+            }
+            Some(Arc::new(octree))
+        } else {
+            None
+        };
+        let bvh = Arc::new(bvh);
+        let backend = CpuBackend::new(Arc::clone(&bvh), octree.clone());
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report })
+    }
+
+    /// The scene.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// World bounds of the scene.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// What the settings came to for this scene.
+    pub fn plan(&self) -> &AoPlan {
+        &self.plan
+    }
+
+    /// The BVH.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The octree, where the method marches cones.
+    pub fn octree(&self) -> Option<&Octree> {
+        self.octree.as_deref()
+    }
+
+    /// Times and sizes of what was built.
+    pub fn report(&self) -> &BuildReport {
+        &self.report
+    }
+
+    /// The surface points that a camera sees, one per pixel centre.
+    ///
+    /// # Errors
+    /// A view or a size that makes no picture.
+    pub fn camera(&self, view: &View, width: u32, height: u32) -> Result<CameraTarget, Error> {
+        let camera = Camera::new(view, width, height)?;
+        let hit = |ray: &conray_core::Ray| self.bvh.nearest(ray).map(|hit| self.bvh.surface_point(&hit, ray));
+        Ok(self.pool.install(|| CameraTarget::trace(camera, hit)))
+    }
+
+    /// Estimates every point, in order.
+    ///
+    /// # Errors
+    /// None in a session as built; the type leaves room for devices that fail.
+    pub fn estimate(&self, points: &[SurfacePoint]) -> Result<Vec<Estimate>, Error> {
+        Ok(self.run(points, Control::none())?.estimates)
+    }
+
+    /// The other settings of this session with the structures already built.
+    ///
+    /// Only what the plan says may change: method (to one whose structures exist), distance, falloff, rays, cones,
+    /// beta, gamma, max-rays, seed.
+    ///
+    /// # Errors
+    /// A setting outside its range.
+    pub fn set_plan(&mut self, settings: &AoSettings) -> Result<(), Error> {
+        self.plan = AoPlan::new(settings, self.bounds)?;
+        Ok(())
+    }
+}
+
+/// Options of the octree, with what is left of the memory allowed.
+fn octree_options(settings: &AoSettings, geometry: &Geometry, bvh_bytes: u64) -> Result<OctreeOptions, Error> {
+    let mut options = OctreeOptions { resolution: settings.voxels, ..Default::default() };
+    if let Some(allowed) = settings.max_memory {
+        let taken = bvh_bytes + geometry_bytes(geometry);
+        if taken >= allowed {
+            return Err(SettingsError {
+                option: "max-memory",
+                found: allowed.to_string(),
+                expected: format!("the scene and its BVH alone take {taken} bytes"),
+            }
+            .into());
+        }
+        options.max_memory_bytes = Some(allowed - taken);
+    }
+    Ok(options)
+}
+
+/// Bytes of the vertex and index arrays.
+fn geometry_bytes(geometry: &Geometry) -> u64 {
+    let mesh_bytes = |m: &conray_core::TriangleMesh| {
+        size_of_val(m.positions())
+            + size_of_val(m.normals())
+            + size_of_val(m.triangles())
+            + m.uv_sets().len() * m.positions().len() * size_of::<Vec2>()
+    };
+    debug_assert_eq!(size_of::<Vec3>(), 12);
+    geometry.meshes().iter().map(mesh_bytes).sum::<usize>() as u64
+}
+
+/// Runs one stage between its events and gives its wall-clock seconds.
+fn timed<T, E>(
+    stage: Stage,
+    observer: Observer<'_>,
+    work: impl FnOnce() -> Result<T, E>,
+) -> Result<(T, f64), E> {
+    observer(Event::Started { stage });
+    let start = Instant::now();
+    let result = work()?;
+    let seconds = start.elapsed().as_secs_f64();
+    observer(Event::Finished { stage, seconds });
+    Ok((result, seconds))
+}

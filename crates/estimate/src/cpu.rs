@@ -1,0 +1,78 @@
+//! The backend that runs on the processor's cores.
+
+use crate::{AoPlan, Backend, BackendError, Control, Method, methods};
+use conray_bvh::Bvh;
+use conray_core::{Estimate, SurfacePoint, Vec3};
+use conray_voxel::Octree;
+use rayon::prelude::*;
+use std::{ops::Range, sync::Arc};
+
+/// Points handed to a thread at a time: enough to make handing over cheap, few enough to stop soon.
+const CHUNK: usize = 64;
+
+/// Carries out plans on the threads of rayon's current pool.
+#[derive(Clone)]
+pub struct CpuBackend {
+    bvh: Arc<Bvh>,
+    octree: Option<Arc<Octree>>,
+}
+
+impl CpuBackend {
+    /// A backend over these structures; method `rays` needs no octree.
+    pub fn new(bvh: Arc<Bvh>, octree: Option<Arc<Octree>>) -> Self {
+        Self { bvh, octree }
+    }
+}
+
+impl Backend for CpuBackend {
+    fn estimate(
+        &self,
+        plan: &AoPlan,
+        samples: Range<u32>,
+        points: &[SurfacePoint],
+        estimates: &mut [Estimate],
+        control: Control<'_>,
+    ) -> Result<(), BackendError> {
+        if points.len() != estimates.len() {
+            return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
+        }
+        let octree = || self.octree.as_deref().ok_or(BackendError::NoOctree(plan.method));
+        match plan.method {
+            Method::Rays => {
+                let rays = methods::Rays { plan, bvh: &self.bvh, samples };
+                each_point(points, estimates, control, |point| rays.estimate(point));
+            }
+            Method::Cones => {
+                let cones = methods::Cones { plan, octree: octree()? };
+                each_point(points, estimates, control, |point| cones.estimate(point));
+            }
+            Method::Paper | Method::Hybrid => {
+                let paper = methods::Paper { plan, bvh: &self.bvh, octree: octree()?, frames: samples };
+                each_point(points, estimates, control, |point| paper.estimate(point));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Fills in the estimates in parallel; each depends on its point alone.
+fn each_point(
+    points: &[SurfacePoint],
+    estimates: &mut [Estimate],
+    control: Control<'_>,
+    estimate: impl Fn(&SurfacePoint) -> Estimate + Sync,
+) {
+    points.par_chunks(CHUNK).zip(estimates.par_chunks_mut(CHUNK)).for_each(|(points, estimates)| {
+        if control.is_cancelled() {
+            return;
+        }
+        for (point, out) in points.iter().zip(estimates) {
+            *out = if point.is_valid() { estimate(point) } else { INVALID };
+        }
+        (control.progress)(points.len());
+    });
+}
+
+/// The answer where there is no surface to ask about.
+const INVALID: Estimate =
+    Estimate { visibility: 0.0, error: f32::INFINITY, rays: 0, bent: Vec3::ZERO, cone: None };

@@ -1,0 +1,58 @@
+//! Settings made definite for one scene.
+
+use crate::{AoSettings, Distance, Method, SettingsError};
+use conray_core::{Bounds, ConeSet, Falloff, HemisphereCones};
+
+/// Validated settings in world units, made once per scene; code past it does not check again.
+#[derive(Clone, Debug)]
+pub struct AoPlan {
+    /// How visibility is estimated.
+    pub method: Method,
+    /// AO distance in world units, above 0; may be infinite.
+    pub distance: f32,
+    /// How an occluder's weight fades.
+    pub falloff: Falloff,
+    /// Rays per point of method `rays`.
+    pub rays: u32,
+    /// The cones that stand for the hemisphere.
+    pub cones: HemisphereCones,
+    /// The paper's transition parameter.
+    pub beta: f32,
+    /// The paper's error threshold.
+    pub gamma: f32,
+    /// The paper's most rays per cone.
+    pub max_rays: u32,
+    /// Chooses the random numbers.
+    pub seed: u32,
+}
+
+impl AoPlan {
+    /// The plan for a scene with these bounds.
+    ///
+    /// # Errors
+    /// A setting outside its range, or an automatic distance in a scene without extent.
+    pub fn new(settings: &AoSettings, bounds: Bounds) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        let distance = settings.distance.in_world(bounds.diagonal());
+        if settings.distance == Distance::Auto && !(distance > 0.0 && distance.is_finite()) {
+            let expected = "the scene's size gives no distance; say one".into();
+            return Err(SettingsError { option: "distance", found: "auto".into(), expected });
+        }
+        Ok(Self {
+            method: settings.method,
+            distance,
+            falloff: settings.falloff,
+            rays: settings.rays,
+            cones: HemisphereCones::new(ConeSet::from_count(settings.cones).expect("validated")),
+            beta: settings.beta,
+            gamma: settings.gamma,
+            max_rays: settings.max_rays,
+            seed: settings.seed,
+        })
+    }
+
+    /// How many samples of its sequence each point needs: rays for `rays`, else one frame of the method.
+    pub fn samples(&self) -> u32 {
+        if self.method == Method::Rays { self.rays } else { 1 }
+    }
+}

@@ -1,0 +1,234 @@
+//! What a person asks for.
+
+use crate::Distance;
+use conray_core::{ConeSet, Falloff};
+use serde::{Deserialize, Serialize};
+use std::{fmt, ops::RangeInclusive, str::FromStr};
+use thiserror::Error;
+
+/// How visibility is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Rays alone: unbiased, noisy with few rays.
+    Rays,
+    /// Cones alone: without noise, biased.
+    Cones,
+    /// The blend of both as published: Podee, Dobashi, Yamamoto, "Combining Cone and Ray Tracing for Ambient
+    /// Occlusion Computation".
+    Paper,
+    /// conray's own combination. For now it equals [`Method::Paper`].
+    #[default]
+    Hybrid,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 4] = [Self::Rays, Self::Cones, Self::Paper, Self::Hybrid];
+
+    /// True where the method marches cones, and so needs an octree.
+    pub fn needs_octree(self) -> bool {
+        self != Self::Rays
+    }
+
+    /// True where the method may trace rays.
+    pub fn traces_rays(self) -> bool {
+        self != Self::Cones
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rays => "rays",
+            Self::Cones => "cones",
+            Self::Paper => "paper",
+            Self::Hybrid => "hybrid",
+        })
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|method| method.to_string() == text)
+            .ok_or_else(|| "expected rays, cones, paper or hybrid".into())
+    }
+}
+
+/// What the opacity of materials means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Alpha {
+    /// As the materials say.
+    #[default]
+    Material,
+    /// Every surface blocks fully.
+    Opaque,
+}
+
+/// Ranges of the settings.
+pub mod limits {
+    use super::RangeInclusive;
+
+    /// Rays per point.
+    pub const RAYS: RangeInclusive<u32> = 1..=1 << 20;
+    /// Leaves along the longest side of the scene; powers of two only.
+    pub const VOXELS: RangeInclusive<u32> = 16..=2048;
+    /// The paper's beta.
+    pub const BETA: RangeInclusive<f32> = 0.0..=1e6;
+    /// The paper's gamma.
+    pub const GAMMA: RangeInclusive<f32> = 0.0..=1.0;
+    /// The paper's N_max, rays per cone.
+    pub const MAX_RAYS: RangeInclusive<u32> = 1..=1 << 16;
+}
+
+/// Everything that changes an estimate. Defaults are ready to use; struct update changes some.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct AoSettings {
+    /// How visibility is estimated.
+    pub method: Method,
+    /// How far an occluder still counts: world units above 0, infinite, or a share of the scene's size.
+    pub distance: Distance,
+    /// How an occluder's weight fades with its distance. Needs a finite distance unless `none`.
+    pub falloff: Falloff,
+    /// Rays per point of method `rays`, in [`limits::RAYS`]; powers of two give the least error per ray.
+    pub rays: u32,
+    /// Octree leaves along the longest side of the scene: a power of two in [`limits::VOXELS`].
+    pub voxels: u32,
+    /// Cones per point: 6, 9, 16 or 25.
+    pub cones: u32,
+    /// Method `paper`: how fast trust in a cone falls with its error, in [`limits::BETA`].
+    pub beta: f32,
+    /// Method `paper`: the cone error up to which a cone is trusted fully, in [`limits::GAMMA`].
+    pub gamma: f32,
+    /// Method `paper`: most rays per cone, in [`limits::MAX_RAYS`].
+    pub max_rays: u32,
+    /// Chooses the random numbers.
+    pub seed: u32,
+    /// Whether the materials' opacity counts.
+    pub alpha: Alpha,
+    /// Most bytes that the octree may take, its build included; `None` is no limit. The resolution steps down to obey.
+    pub max_memory: Option<u64>,
+}
+
+impl Default for AoSettings {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            distance: Distance::Auto,
+            falloff: Falloff::None,
+            rays: 64,
+            voxels: 512,
+            cones: 16,
+            beta: 24.0,
+            // The 2 % below which an error is hardly seen: Walter et al., "Lightcuts", 2005.
+            gamma: 0.02,
+            max_rays: 8,
+            seed: 0,
+            alpha: Alpha::Material,
+            max_memory: None,
+        }
+    }
+}
+
+/// A setting outside its range.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("--{option} {found}: {expected}")]
+pub struct SettingsError {
+    /// Name of the setting, as an option of the program.
+    pub option: &'static str,
+    /// What was asked for.
+    pub found: String,
+    /// What would do.
+    pub expected: String,
+}
+
+impl AoSettings {
+    /// Checks every setting against its range.
+    ///
+    /// # Errors
+    /// The first setting outside its range, in the order of the members.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let bad = |option, found: &dyn fmt::Display, expected: &str| {
+            Err(SettingsError { option, found: found.to_string(), expected: expected.into() })
+        };
+        if let Distance::World(distance) = self.distance
+            && !(distance > 0.0 && distance.is_finite())
+        {
+            return bad("distance", &distance, "must be above 0, or inf");
+        }
+        if self.falloff != Falloff::None && self.distance == Distance::Infinite {
+            return bad("falloff", &self.falloff, "needs a finite --distance");
+        }
+        in_range("rays", self.rays, limits::RAYS)?;
+        if !limits::VOXELS.contains(&self.voxels) || !self.voxels.is_power_of_two() {
+            return bad("voxels", &self.voxels, "must be a power of two from 16 to 2048");
+        }
+        if ConeSet::from_count(self.cones).is_none() {
+            return bad("cones", &self.cones, "must be 6, 9, 16 or 25");
+        }
+        in_range("beta", self.beta, limits::BETA)?;
+        in_range("gamma", self.gamma, limits::GAMMA)?;
+        in_range("max-rays", self.max_rays, limits::MAX_RAYS)
+    }
+}
+
+fn in_range<T: PartialOrd + fmt::Display>(
+    option: &'static str,
+    found: T,
+    range: RangeInclusive<T>,
+) -> Result<(), SettingsError> {
+    if range.contains(&found) {
+        return Ok(());
+    }
+    let expected = format!("must be from {} to {}", range.start(), range.end());
+    Err(SettingsError { option, found: found.to_string(), expected })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid() {
+        AoSettings::default().validate().unwrap();
+    }
+
+    #[test]
+    fn each_setting_out_of_range_is_named_with_its_range() {
+        let ok = AoSettings::default;
+        let cases = [
+            (AoSettings { distance: Distance::World(-1.0), ..ok() }, "distance"),
+            (AoSettings { distance: Distance::World(f32::NAN), ..ok() }, "distance"),
+            (AoSettings { distance: Distance::Infinite, falloff: Falloff::Linear, ..ok() }, "falloff"),
+            (AoSettings { rays: 0, ..ok() }, "rays"),
+            (AoSettings { rays: u32::MAX, ..ok() }, "rays"),
+            (AoSettings { voxels: 500, ..ok() }, "voxels"),
+            (AoSettings { voxels: 4096, ..ok() }, "voxels"),
+            (AoSettings { cones: 7, ..ok() }, "cones"),
+            (AoSettings { beta: -0.1, ..ok() }, "beta"),
+            (AoSettings { beta: f32::NAN, ..ok() }, "beta"),
+            (AoSettings { gamma: 1.5, ..ok() }, "gamma"),
+            (AoSettings { max_rays: 0, ..ok() }, "max-rays"),
+        ];
+        for (settings, option) in cases {
+            let error = settings.validate().unwrap_err();
+            assert_eq!(error.option, option);
+            assert!(error.to_string().starts_with(&format!("--{option} ")), "{error}");
+            assert!(!error.expected.is_empty());
+        }
+    }
+
+    #[test]
+    fn names_of_methods_are_read_back() {
+        for method in Method::ALL {
+            assert_eq!(method.to_string().parse(), Ok(method));
+        }
+        assert!("cone".parse::<Method>().is_err());
+    }
+}
