@@ -65,10 +65,16 @@ impl Bench {
     ///
     /// # Errors
     /// What building says.
-    pub fn new(judged: Judged, settings: &AoSettings, size: (u32, u32), truth_rays: u32) -> Result<Self, Error> {
+    pub fn new(
+        judged: Judged,
+        settings: &AoSettings,
+        size: (u32, u32),
+        truth_rays: u32,
+    ) -> Result<Self, Error> {
         let Judged { name, scene, view } = judged;
         let built = AoSettings { method: Method::Paper, ..settings.clone() };
-        let mut session = Session::build_observed(scene.geometry, &built, &SessionOptions::default(), &|_| {})?;
+        let mut session =
+            Session::build_observed(scene.geometry, &built, &SessionOptions::default(), &|_| {})?;
         let target = session.camera(&view, size.0, size.1)?;
         // Other random numbers than those of the runs that are judged.
         let truth_settings =
@@ -101,7 +107,10 @@ fn cached_truth(
 ) -> Result<Vec<f32>, Error> {
     let mut key = DefaultHasher::new();
     format!("{settings:?} {:?}", session.plan().distance).hash(&mut key);
-    target.points().iter().for_each(|p: &SurfacePoint| p.position.to_array().map(f32::to_bits).hash(&mut key));
+    target
+        .points()
+        .iter()
+        .for_each(|p: &SurfacePoint| p.position.to_array().map(f32::to_bits).hash(&mut key));
     let path = PathBuf::from(format!("target/truth/{name}-{:016x}.f32", key.finish()));
     if let Ok(bytes) = fs::read(&path)
         && bytes.len() == 4 * target.points().len()

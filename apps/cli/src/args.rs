@@ -17,7 +17,8 @@ pub(crate) struct Cli {
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the work failed or was interrupted; 2 the request was wrong \
 (usage, settings); 3 the input could not be used.";
 
-const SCENE_HELP: &str = "A file (.obj, .gltf, .glb, .ply, .stl) or a built-in scene: cornell, cornell-blocks, atrium, grove";
+const SCENE_HELP: &str =
+    "A file (.obj, .gltf, .glb, .ply, .stl) or a built-in scene: cornell, cornell-blocks, atrium, grove";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -264,7 +265,9 @@ mod tests {
             vec!["conray", "render", "--eye", "-1,2,-3", "--look-at", "0,0,0"],
             vec!["conray", "render", "--eye=-1,2,-3", "--look-at=0,0,0"],
         ] {
-            let Command::Render(args) = Cli::parse_from(words).command else { panic!("render was asked for") };
+            let Command::Render(args) = Cli::parse_from(words).command else {
+                panic!("render was asked for")
+            };
             assert_eq!(args.eye, Some(Vec3::new(-1.0, 2.0, -3.0)));
         }
     }

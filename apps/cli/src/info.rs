@@ -28,7 +28,11 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let geometry = std::mem::take(&mut scene.geometry);
     let session = Session::build_observed(geometry, &settings, &options, &|_| {})?;
     let facts = facts(&scene, &session, load_seconds);
-    report::print_lines(&if args.json { vec![format!("{facts:#}")] } else { lines(&scene, &session, &facts) });
+    report::print_lines(&if args.json {
+        vec![format!("{facts:#}")]
+    } else {
+        lines(&scene, &session, &facts)
+    });
     Ok(())
 }
 

@@ -29,7 +29,11 @@ pub(crate) fn choose_view(scene: &Scene, args: &RenderArgs) -> Result<View, Fail
             None => {
                 let names: Vec<&str> =
                     scene.views.iter().map(|v| &v.name[..]).chain(std::iter::once("whole")).collect();
-                return Err(Failure::Request(format!("--view {name}: {} has {}", scene.name, names.join(", "))));
+                return Err(Failure::Request(format!(
+                    "--view {name}: {} has {}",
+                    scene.name,
+                    names.join(", ")
+                )));
             }
         },
         (None, Some(eye), Some(look_at)) => {

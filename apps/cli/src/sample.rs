@@ -44,7 +44,8 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     }
     points.write(&args.output, &outcome.estimates)?;
 
-    let mut lines = vec![format!("{name}: {} points, AO distance {}", points.points().len(), session.plan().distance)];
+    let mut lines =
+        vec![format!("{name}: {} points, AO distance {}", points.points().len(), session.plan().distance)];
     lines.extend(report::work_lines(&settings, session.report(), &outcome));
     if let Some((visibility, error)) = report::means(&outcome) {
         lines.push(format!("mean visibility {visibility:.4}, expected error {error:.4}"));

@@ -62,9 +62,29 @@ fn help_documents_every_option_and_the_exit_codes() {
     let output = conray(&dir, &["render", "--help"]);
     assert_eq!(output.status.code(), Some(0));
     for option in [
-        "--output", "--method", "--size", "--view", "--eye", "--look-at", "--fov", "--distance", "--falloff", "--rays",
-        "--voxels", "--cones", "--beta", "--gamma", "--max-rays", "--seed", "--threads", "--max-memory", "--alpha",
-        "--json", "--quiet", "--bits", "Exit codes",
+        "--output",
+        "--method",
+        "--size",
+        "--view",
+        "--eye",
+        "--look-at",
+        "--fov",
+        "--distance",
+        "--falloff",
+        "--rays",
+        "--voxels",
+        "--cones",
+        "--beta",
+        "--gamma",
+        "--max-rays",
+        "--seed",
+        "--threads",
+        "--max-memory",
+        "--alpha",
+        "--json",
+        "--quiet",
+        "--bits",
+        "Exit codes",
     ] {
         assert!(out(&output).contains(option), "{option}");
     }
@@ -208,7 +228,10 @@ fn bad_inputs_exit_with_3_name_the_file_and_lose_no_earlier_output() {
             let output = conray(&dir, &words);
             assert_eq!(output.status.code(), Some(3), "{words:?}: {}", err(&output));
             let message = err(&output);
-            assert!(message.contains(name) && message.contains(fragment), "{words:?}: {message} lacks {fragment}");
+            assert!(
+                message.contains(name) && message.contains(fragment),
+                "{words:?}: {message} lacks {fragment}"
+            );
             assert!(message.lines().count() <= 2, "short: {message}");
         }
         assert_eq!(fs::read(dir.path().join("ao.png")).unwrap(), b"earlier");
@@ -268,8 +291,11 @@ fn json_lines_are_json_and_end_with_the_summary() {
     assert_eq!(summary["changed_settings"]["seed"], "7");
     assert!(summary["changed_settings"].get("rays").is_none());
     assert!(summary["rays"].as_u64().unwrap() > 0 && summary["cones"].as_u64().unwrap() > 0);
-    let progress: Vec<u64> =
-        lines.iter().filter(|line| line["event"] == "progress").map(|line| line["done"].as_u64().unwrap()).collect();
+    let progress: Vec<u64> = lines
+        .iter()
+        .filter(|line| line["event"] == "progress")
+        .map(|line| line["done"].as_u64().unwrap())
+        .collect();
     assert!(!progress.is_empty());
 }
 
@@ -327,7 +353,10 @@ fn options_have_effect() {
 fn compare_finds_equal_and_different_images() {
     let dir = folder();
     for (name, seed) in [("a.exr", "0"), ("b.exr", "1")] {
-        assert_eq!(render(&dir, &["--method", "rays", "--rays", "4", "--seed", seed, "-o", name]).status.code(), Some(0));
+        assert_eq!(
+            render(&dir, &["--method", "rays", "--rays", "4", "--seed", seed, "-o", name]).status.code(),
+            Some(0)
+        );
     }
     let rmse = |a: &str, b: &str| {
         let output = conray(&dir, &["compare", a, b, "--json"]);
@@ -351,7 +380,9 @@ fn sample_adds_properties_and_keeps_the_rest() {
     let dir = folder();
     fs::write(dir.path().join("in.ply"), POINTS).unwrap();
     for method in ["rays", "cones", "paper", "hybrid"] {
-        let words = ["sample", "cornell", "--points", "in.ply", "-o", "out.ply", "--method", method, "--voxels", "32"];
+        let words = [
+            "sample", "cornell", "--points", "in.ply", "-o", "out.ply", "--method", method, "--voxels", "32",
+        ];
         let output = conray(&dir, &words);
         assert_eq!(output.status.code(), Some(0), "{}", err(&output));
         let text = fs::read_to_string(dir.path().join("out.ply")).unwrap();
@@ -371,7 +402,9 @@ fn sample_refuses_bad_points() {
     fs::write(dir.path().join("flat.ply"), without_normals).unwrap();
     fs::write(dir.path().join("nan.ply"), POINTS.replace("0.2 0 0.2", "nan 0 0.2")).unwrap();
     fs::write(dir.path().join("cut.ply"), &POINTS[..POINTS.len() - 40]).unwrap();
-    for (name, fragment) in [("flat.ply", "nz"), ("nan.ply", "1"), ("cut.ply", "cut.ply"), ("gone.ply", "gone.ply")] {
+    for (name, fragment) in
+        [("flat.ply", "nz"), ("nan.ply", "1"), ("cut.ply", "cut.ply"), ("gone.ply", "gone.ply")]
+    {
         let output = conray(&dir, &["sample", "cornell", "--points", name, "-o", "out.ply"]);
         assert_eq!(output.status.code(), Some(3), "{name}: {}", err(&output));
         assert!(err(&output).contains(name) && err(&output).contains(fragment), "{}", err(&output));
@@ -395,10 +428,11 @@ fn info_tells_in_words_and_in_json() {
 #[test]
 fn ctrl_c_writes_what_is_there_and_says_so() {
     let dir = folder();
-    let words =
-        ["render", "--method", "rays", "--rays", "1048576", "--size", "64x64", "-o", "ao.png", "-o", "ao.exr", "--json"];
-    let mut child =
-        command(&dir, &words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let words = [
+        "render", "--method", "rays", "--rays", "1048576", "--size", "64x64", "-o", "ao.png", "-o", "ao.exr",
+        "--json",
+    ];
+    let mut child = command(&dir, &words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // Progress on standard output says that estimation is under way.
     let mut reader = std::io::BufReader::new(child.stdout.take().unwrap());
     let mut line = String::new();

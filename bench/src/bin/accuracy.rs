@@ -26,7 +26,10 @@ fn main() -> Result<(), Error> {
     let args = Args::parse();
     let base = AoSettings { voxels: args.voxels, ..AoSettings::default() };
     println!("{0} x {0} pixels, truth by {1} rays, {2} voxels", args.size, args.truth, args.voxels);
-    println!("{:20} {:22} {:>8} {:>8} {:>8} {:>8} {:>7}", "scene", "method", "RMSE", "bias", "p95", "rays/px", "s");
+    println!(
+        "{:20} {:22} {:>8} {:>8} {:>8} {:>8} {:>7}",
+        "scene", "method", "RMSE", "bias", "p95", "rays/px", "s"
+    );
     for name in &args.scenes {
         let mut bench = Bench::new(judged(name)?, &base, (args.size, args.size), args.truth)?;
         let mut row = |label: &str, settings: &AoSettings| -> Result<(), Error> {

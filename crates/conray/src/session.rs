@@ -157,7 +157,11 @@ impl Session {
 }
 
 /// Options of the octree, with what is left of the memory allowed.
-fn octree_options(settings: &AoSettings, geometry: &Geometry, bvh_bytes: u64) -> Result<OctreeOptions, Error> {
+fn octree_options(
+    settings: &AoSettings,
+    geometry: &Geometry,
+    bvh_bytes: u64,
+) -> Result<OctreeOptions, Error> {
     let mut options = OctreeOptions { resolution: settings.voxels, ..Default::default() };
     if let Some(allowed) = settings.max_memory {
         let taken = bvh_bytes + geometry_bytes(geometry);

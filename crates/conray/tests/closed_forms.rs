@@ -4,8 +4,8 @@
 //! occluder closes is an area of that disc.
 
 use conray::{
-    Affine3A, AoSettings, Distance, Falloff, Geometry, Material, Method, Moments, Opacity, Session, SurfacePoint,
-    TriangleMesh, Vec3,
+    Affine3A, AoSettings, Distance, Falloff, Geometry, Material, Method, Moments, Opacity, Session,
+    SurfacePoint, TriangleMesh, Vec3,
 };
 use std::f64::consts::PI;
 
@@ -65,7 +65,10 @@ fn cases() -> Vec<Case> {
         // The share that meets the ceiling lets half through.
         Case { opacity: 0.5, ..plain("half-open ceiling", vec![ceiling(h)], 1.0 - 0.5 * (1.0 - k * k)) },
         // A hit at cosine c is at h / c: the weights integrate to (1 - k)^2.
-        Case { falloff: Falloff::Linear, ..plain("ceiling, linear", vec![ceiling(h)], 1.0 - (1.0 - k).powi(2)) },
+        Case {
+            falloff: Falloff::Linear,
+            ..plain("ceiling, linear", vec![ceiling(h)], 1.0 - (1.0 - k).powi(2))
+        },
         Case {
             falloff: Falloff::Smooth,
             ..plain(
@@ -98,7 +101,8 @@ fn session(case: &Case, placement: &Affine3A, settings: &AoSettings) -> (Session
     for (i, quad) in case.quads.iter().enumerate() {
         // The floor comes last and is opaque.
         let material = u32::from(i + 1 == case.quads.len());
-        let mesh = TriangleMesh::new(quad.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap().with_material(material);
+        let mesh =
+            TriangleMesh::new(quad.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap().with_material(material);
         let mesh = geometry.add_mesh(mesh).unwrap();
         geometry.add_instance(mesh, *placement).unwrap();
     }
@@ -149,7 +153,10 @@ fn cones_come_close() {
             for placement in placements() {
                 let m = measure(&case, &placement, &settings, 1);
                 let error = m.mean - case.truth;
-                println!("{cones:2} cones, {:18} {:.3} for {:.3}: {error:+.3}", case.name, m.mean, case.truth);
+                println!(
+                    "{cones:2} cones, {:18} {:.3} for {:.3}: {error:+.3}",
+                    case.name, m.mean, case.truth
+                );
                 assert!(error.abs() < CONE_TOLERANCE, "{}: {} for {}", case.name, m.mean, case.truth);
             }
         }
@@ -178,8 +185,14 @@ fn the_papers_blend_is_between_cones_and_rays() {
 
 #[test]
 fn without_trust_in_cones_the_paper_is_rays() {
-    let settings =
-        AoSettings { method: Method::Paper, voxels: 64, gamma: 0.0, beta: 1e6, max_rays: 16, ..AoSettings::default() };
+    let settings = AoSettings {
+        method: Method::Paper,
+        voxels: 64,
+        gamma: 0.0,
+        beta: 1e6,
+        max_rays: 16,
+        ..AoSettings::default()
+    };
     for case in cases() {
         let m = measure(&case, &placements()[1], &settings, 300);
         // Cones of no error at all are still trusted: they add what they miss.

@@ -81,7 +81,10 @@ fn every_estimate_is_in_range() {
     for method in Method::ALL {
         let session = cornell(method, 0);
         for e in session.estimate(&cornell_points(&session)).unwrap() {
-            assert!((0.0..=1.0).contains(&e.visibility) && e.error >= 0.0 && e.error.is_finite(), "{method}: {e:?}");
+            assert!(
+                (0.0..=1.0).contains(&e.visibility) && e.error >= 0.0 && e.error.is_finite(),
+                "{method}: {e:?}"
+            );
             assert!(e.bent.length() <= 1.0 + 1e-5);
             assert_eq!(e.cone.is_some(), method != Method::Rays);
             assert_eq!(e.rays > 0, method == Method::Rays || (method != Method::Cones && e.rays > 0));
@@ -181,7 +184,9 @@ fn an_empty_scene_is_open_to_rays_and_nothing_to_voxelise() {
                 let estimates = session.estimate(&[SurfacePoint::new(Vec3::ZERO, Vec3::Z)]).unwrap();
                 assert_eq!((method, estimates[0].visibility), (Method::Rays, 1.0));
             }
-            Err(error) => assert!(method.needs_octree() && matches!(error, Error::Voxel(_)), "{method}: {error}"),
+            Err(error) => {
+                assert!(method.needs_octree() && matches!(error, Error::Voxel(_)), "{method}: {error}")
+            }
         }
     }
 }

@@ -55,7 +55,7 @@ pub(crate) struct Tally {
 
 impl Tally {
     #[inline]
-    fn add(&mut self, visibility: f32, direction: Vec3) {
+    pub(super) fn add(&mut self, visibility: f32, direction: Vec3) {
         self.rays += 1;
         self.sum += visibility;
         self.squares += visibility * visibility;
