@@ -1,0 +1,75 @@
+//! Triangles as leaves hold them: four side by side, with the ids apart.
+
+use conray_core::Vec3;
+use glam::Vec4;
+
+/// Corners of up to four triangles: `corners[corner][axis]`, one triangle a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Packet {
+    pub(crate) corners: [[Vec4; 3]; 3],
+}
+
+/// Whose triangle it is, and whether its opacity must be looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct TriangleId {
+    /// Instance; 0 in the tree of an instanced mesh, where the top level knows it.
+    pub(crate) instance: u32,
+    /// Triangle of the mesh, below 2^31; the top bit marks opaque ones.
+    tagged_triangle: u32,
+}
+
+impl TriangleId {
+    const OPAQUE: u32 = 1 << 31;
+
+    pub(crate) fn new(instance: u32, triangle: u32, opaque: bool) -> Self {
+        debug_assert!(triangle < Self::OPAQUE);
+        Self { instance, tagged_triangle: triangle | if opaque { Self::OPAQUE } else { 0 } }
+    }
+
+    /// Triangle of the mesh.
+    #[inline]
+    pub(crate) fn triangle(self) -> u32 {
+        self.tagged_triangle & !Self::OPAQUE
+    }
+
+    /// No opacity look-up is needed.
+    #[inline]
+    pub(crate) fn is_opaque(self) -> bool {
+        self.tagged_triangle & Self::OPAQUE != 0
+    }
+}
+
+/// A triangle on its way into packets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedTriangle {
+    pub(crate) corners: [Vec3; 3],
+    pub(crate) id: TriangleId,
+}
+
+impl PlacedTriangle {
+    /// False where two corners coincide: such a triangle occludes nothing, and without it its neighbours still close.
+    ///
+    /// A triangle whose corners lie on a line but apart is kept: where a mesh has one, it closes the gap between one
+    /// long edge and two short ones that rounding would open.
+    pub(crate) fn has_three_corners(&self) -> bool {
+        let [a, b, c] = self.corners;
+        a != b && b != c && c != a
+    }
+}
+
+impl Packet {
+    /// A packet of one to four triangles; the lanes past the last repeat it.
+    pub(crate) fn new(triangles: &[PlacedTriangle]) -> Self {
+        let lane = |i: usize| &triangles[i.min(triangles.len() - 1)];
+        let corners = [0, 1, 2].map(|corner| {
+            [0, 1, 2].map(|axis| Vec4::from_array([0, 1, 2, 3].map(|i| lane(i).corners[corner][axis])))
+        });
+        Self { corners }
+    }
+
+    /// Corners of one triangle.
+    #[inline]
+    pub(crate) fn lane(&self, lane: usize) -> [Vec3; 3] {
+        self.corners.map(|c| Vec3::new(c[0][lane & 3], c[1][lane & 3], c[2][lane & 3]))
+    }
+}
