@@ -57,7 +57,8 @@ impl Bvh {
         if distance.is_nan() || distance <= 0.0 {
             return 1.0;
         }
-        let t_max = ray.t_max.min(distance);
+        // Not `min`, which would drop a NaN.
+        let t_max = if distance < ray.t_max { distance } else { ray.t_max };
         let mut sink = Faded::new(&self.geometry, t_max);
         self.visit(&Ray { t_max, ..*ray }, &mut sink);
         sink.visibility(falloff, distance)

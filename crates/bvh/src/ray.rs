@@ -128,7 +128,7 @@ pub(crate) struct MeshSpace {
 
 impl MeshSpace {
     /// How well the inverse must undo the transform, per element.
-    const RESIDUAL: f64 = 1.0 / (1u64 << 36) as f64;
+    const RESIDUAL: f64 = 1.0 / (1u32 << 28) as f64;
 
     /// `None` where the transform is singular or too near to it.
     pub(crate) fn new(world_from_mesh: &Affine3A, mesh_bounds: &Bounds) -> Option<Self> {
@@ -154,7 +154,8 @@ impl MeshSpace {
     ///
     /// Three parts: the rounding of the mesh's world corners, taken back (`fixed_slack`); the rounding of the origin to
     /// single precision, with a factor of 4 to spare; and the inverse's own error, a share [`Self::RESIDUAL`] of the
-    /// positions that occur along the ray as far as the mesh reaches, with a factor of 8 to spare.
+    /// positions that occur along the ray as far as the mesh reaches, twice over for three axes and with a factor of 4/3
+    /// to spare.
     fn slack(&self, origin: DVec3) -> DVec3 {
         let rounding = origin.abs() * f64::from(2.0 * f32::EPSILON);
         let inverse = 8.0 * Self::RESIDUAL * (origin.abs().max_element() + self.reach);

@@ -84,7 +84,9 @@ fn traverse_with<const STACK: usize>(
             }
             height -= 1;
             let (child, near) = stack[height];
-            if !(near > far) && child != Child::EMPTY {
+            // NaN is not beyond: see `Slab`.
+            let beyond = near > far;
+            if !beyond && child != Child::EMPTY {
                 current = child;
                 break;
             }
