@@ -99,7 +99,7 @@ impl<'d> Materials<'d> {
             // Only in an extension's format, such as KHR_texture_basisu.
             let other = texture.extensions.keys().next();
             let feature = other
-                .map(|name| format!("{}, which the opacity of a material needs", shown(name.as_bytes())));
+                .map(|name| format!("{} (which the opacity of a material needs)", shown(name.as_bytes())));
             return match feature {
                 Some(feature) => Err(Fault::unsupported(feature)),
                 None => {
@@ -136,7 +136,7 @@ impl<'d> Materials<'d> {
             ImageOpacity::Texture(texture) => Some(Arc::new(texture)),
             ImageOpacity::UnknownKind(kind) => {
                 return Err(Fault::unsupported(format!(
-                    "{name} of kind {kind}, which the opacity of a material needs,"
+                    "{name} of kind {kind} (which the opacity of a material needs)"
                 )));
             }
         };

@@ -34,8 +34,7 @@ pub(super) fn load(bytes: &[u8], intake: &mut Intake) -> Result<(), Fault> {
         return Err(Fault::NoTriangles);
     }
     intake.scene.warn(WarningKind::IgnoredFaces, file.ignored_faces, format!("face {}", file.first_ignored));
-    warn_unused(&file, intake);
-    let mesh = if file.normals.is_empty() { creased(file)? } else { as_written(file, intake)? };
+    let mesh = if file.normals.is_empty() { creased(file, intake)? } else { as_written(file, intake)? };
     intake.add_mesh(mesh, Affine3A::IDENTITY, String::new())
 }
 
@@ -200,14 +199,6 @@ impl PlyFile {
     }
 }
 
-fn warn_unused(file: &PlyFile, intake: &mut Intake) {
-    let mut used = vec![false; file.positions.len()];
-    file.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let first = used.iter().position(|u| !u).unwrap_or(0);
-    let count = used.iter().filter(|u| !**u).count() as u64;
-    intake.scene.warn(WarningKind::UnusedVertices, count, format!("vertex {first}"));
-}
-
 fn as_written(file: PlyFile, intake: &mut Intake) -> Result<TriangleMesh, Fault> {
     let (positions, mut normals) = (file.positions, file.normals);
     let (bad, first) = repair_normals(&positions, &file.triangles, &mut normals);
@@ -218,7 +209,7 @@ fn as_written(file: PlyFile, intake: &mut Intake) -> Result<TriangleMesh, Fault>
     if file.uvs.is_empty() { Ok(mesh) } else { mesh.with_uv_set(file.uvs).map_err(fault) }
 }
 
-fn creased(file: PlyFile) -> Result<TriangleMesh, Fault> {
+fn creased(file: PlyFile, intake: &mut Intake) -> Result<TriangleMesh, Fault> {
     let has_uvs = !file.uvs.is_empty();
     let corner = |v: u32| Corner { position: v, uv: if has_uvs { v } else { NONE }, normal: NONE };
     let mut soup = Soup {
@@ -227,6 +218,9 @@ fn creased(file: PlyFile) -> Result<TriangleMesh, Fault> {
         uvs: file.uvs,
         normals: Vec::new(),
     };
+    // The new mesh has the vertices that are in use only.
+    let (unused, first) = soup.unused_positions();
+    intake.scene.warn(WarningKind::UnusedVertices, unused, format!("vertex {first}"));
     fill_normals(&mut soup);
     let runs = std::iter::once(0..soup.triangles.len()).collect();
     soup.mesh(Part { runs, ..Part::default() })

@@ -1,0 +1,9 @@
+//! Any bytes as a PLY file.
+#![no_main]
+
+#[path = "../shared.rs"]
+mod shared;
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| {
+    let _ = shared::check(conray_scene::Format::Ply, input);
+});
