@@ -130,7 +130,7 @@ pub(crate) fn ivy() -> AlphaTexture {
             let q = p - centre;
             let angle = q.x.atan2(q.y) + turn;
             // Lobes towards the tip, a notch at the stalk.
-            let lobes = 0.72 + 0.28 * (5.0 * angle).cos().max(-0.6);
+            let lobes = 0.8 + 0.2 * (5.0 * angle).cos().max(-0.7);
             let notch = 1.0 - 0.55 * (1.0 - (PI - angle.abs()).abs() / 0.5).clamp(0.0, 1.0);
             let pointed = 1.0 + 0.16 * angle.cos();
             size * lobes * notch * pointed - q.length()

@@ -24,7 +24,7 @@ pub const BUILTIN_NAMES: [&str; 4] = ["cornell", "cornell-blocks", "atrium", "gr
 /// | --- | --- | ---: | --- |
 /// | `cornell` | the measured Cornell box with its tall block and a ball on the floor | 20,500 | m (0.55 wide) |
 /// | `cornell-blocks` | the same with both measured blocks | 30 | m |
-/// | `atrium` | a court between two storeys of columns, with cloth, vases and ivy | about 300,000 | m (38 wide) |
+/// | `atrium` | a court between two storeys of columns, with cloth, vases and ivy | about 330,000 | m (38 wide) |
 /// | `grove` | instanced trees, bushes and grass on rolling ground | over 20 million, flattened | m (140 wide) |
 ///
 /// All are right-handed with Y up, and each has named views: the first is the usual one. The Cornell boxes are meant
