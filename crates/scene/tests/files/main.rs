@@ -1,5 +1,6 @@
 //! Scene files as they come: right ones, odd ones, wrong ones.
 
+mod bad_gltf;
 mod bad_input;
 mod gltf_materials;
 mod gltf_meshes;

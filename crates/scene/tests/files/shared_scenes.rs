@@ -114,12 +114,19 @@ fn sponzas_masks_lie_on_their_triangles_as_another_program_finds() {
     }
 }
 
+/// A triangle: its own normal, its corners and their normals in the scene.
+struct Face {
+    normal: Vec3,
+    corners: [Vec3; 3],
+    normals: [Vec3; 3],
+}
+
 /// Share of corners outside the three finest groups whose normal is more than 30 degrees off their face, with the
 /// normals of the scene and with the plain average over each position.
 fn bent_corners(scene: &Scene) -> [f64; 2] {
     let mut averages: HashMap<[u32; 3], Vec3> = HashMap::new();
     let key = |p: Vec3| p.to_array().map(f32::to_bits);
-    let mut faces: Vec<(Vec3, [Vec3; 3], [Vec3; 3])> = Vec::new();
+    let mut faces: Vec<Face> = Vec::new();
     for mesh in scene.geometry.meshes() {
         for (t, triangle) in mesh.triangles().iter().enumerate() {
             let [a, b, c] = mesh.corners(t);
@@ -127,22 +134,17 @@ fn bent_corners(scene: &Scene) -> [f64; 2] {
             [a, b, c].iter().for_each(|p| *averages.entry(key(*p)).or_default() += area);
             let is_fine = ["mesh33_SG", "mesh34_SG", "mesh30_SG"].iter().any(|fine| mesh.name.contains(fine));
             if let (Some(face), false) = (area.try_normalize(), is_fine) {
-                faces.push((face, [a, b, c], triangle.map(|v| mesh.normals()[v as usize])));
+                let normals = triangle.map(|v| mesh.normals()[v as usize]);
+                faces.push(Face { normal: face, corners: [a, b, c], normals });
             }
         }
     }
-    let share = |bends: &dyn Fn(&(Vec3, [Vec3; 3], [Vec3; 3]), usize) -> f32| {
-        let bent = faces
-            .iter()
-            .flat_map(|f| (0..3).map(move |k| (f, k)))
-            .filter(|(f, k)| bends(f, *k) > 30.0)
-            .count();
+    let share = |normal: &dyn Fn(&Face, usize) -> Vec3| {
+        let bend_deg = |f: &Face, k: usize| normal(f, k).angle_between(f.normal).to_degrees();
+        let bent = faces.iter().map(|f| (0..3).filter(|&k| bend_deg(f, k) > 30.0).count()).sum::<usize>();
         bent as f64 / (3 * faces.len()) as f64
     };
-    [
-        share(&|(face, _, normals), k| normals[k].angle_between(*face).to_degrees()),
-        share(&|(face, corners, _), k| averages[&key(corners[k])].angle_between(*face).to_degrees()),
-    ]
+    [share(&|f, k| f.normals[k]), share(&|f, k| averages[&key(f.corners[k])])]
 }
 
 #[test]
