@@ -16,6 +16,7 @@ mod build;
 mod cells;
 mod clip;
 mod clusters;
+mod compose;
 mod coverage;
 mod error;
 mod grid;

@@ -13,14 +13,22 @@ pub struct Sample {
     pub sd: f32,
 }
 
-impl Sample {
-    const NOTHING: Self = Self { mean: 0.0, sd: 0.0 };
+/// A sample and how its mean changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Slope {
+    pub(crate) sample: Sample,
+    /// Change of the mean along each axis, per leaf.
+    pub(crate) gradient: Vec3,
+}
 
+impl Slope {
     fn lerp(self, other: Self, share: f32) -> Self {
-        Self {
-            mean: self.mean + share * (other.mean - self.mean),
-            sd: self.sd + share * (other.sd - self.sd),
-        }
+        let lerp = |a: f32, b: f32| a + share * (b - a);
+        let sample = Sample {
+            mean: lerp(self.sample.mean, other.sample.mean),
+            sd: lerp(self.sample.sd, other.sample.sd),
+        };
+        Self { sample, gradient: self.gradient.lerp(other.gradient, share) }
     }
 }
 
@@ -60,6 +68,14 @@ impl Taps {
         on(0, self.share.x) * on(1, self.share.y) * on(2, self.share.z)
     }
 
+    /// Derivative of [`Taps::weight`] along each axis, per node.
+    #[inline]
+    fn slope(&self, c: usize) -> Vec3 {
+        let on = |k: usize, share: f32| if c >> k & 1 == 1 { (share, 1.0) } else { (1.0 - share, -1.0) };
+        let ((x, dx), (y, dy), (z, dz)) = (on(0, self.share.x), on(1, self.share.y), on(2, self.share.z));
+        Vec3::new(dx * y * z, x * dy * z, x * y * dz)
+    }
+
     #[inline]
     fn cell(&self, c: usize) -> IVec3 {
         self.low + IVec3::new(c as i32 & 1, c as i32 >> 1 & 1, c as i32 >> 2)
@@ -77,13 +93,13 @@ impl Taps {
         empty
     }
 
-    /// Calls `visit` with brick, index and weight of each tap in a stored brick.
+    /// Calls `visit` with brick, index and number of each tap in a stored brick.
     #[inline]
-    fn for_each(&self, level: &Level, mut visit: impl FnMut(u32, usize, f32)) {
+    fn for_each(&self, level: &Level, mut visit: impl FnMut(u32, usize, usize)) {
         if self.is_in_one_brick(level.side) {
             let Some((brick, index)) = level.find(self.low.as_uvec3()) else { return };
             for c in 0..8 {
-                visit(brick, index + (c & 1) + (c >> 1 & 1) * 8 + (c >> 2) * 64, self.weight(c));
+                visit(brick, index + (c & 1) + (c >> 1 & 1) * 8 + (c >> 2) * 64, c);
             }
             return;
         }
@@ -94,7 +110,7 @@ impl Taps {
                 && cell.cmplt(inside).all()
                 && let Some((brick, index)) = level.find(cell.as_uvec3())
             {
-                visit(brick, index, self.weight(c));
+                visit(brick, index, c);
             }
         }
     }
@@ -107,17 +123,17 @@ impl Octree {
     /// is trilinear between the centres of the eight nearest nodes, and linear between levels. A position that is
     /// not finite, or more than half a node outside the cube, gives zero.
     pub fn sample(&self, level: f32, position: Vec3) -> Sample {
-        self.sample_leaf_units(level, self.leaf_units(position)).unwrap_or(Sample::NOTHING)
+        self.slope_leaf_units(level, self.leaf_units(position)).unwrap_or_default().sample
     }
 
     /// The same for a position in leaf units; `None` where no triangle touches any node in the filter's reach.
     #[inline]
-    pub(crate) fn sample_leaf_units(&self, level: f32, position: Vec3) -> Option<Sample> {
+    pub(crate) fn slope_leaf_units(&self, level: f32, position: Vec3) -> Option<Slope> {
         let (level, share) = self.split_level(level);
         if share > 0.0 {
             // The coarser filter holds the finer one: where it finds nothing, nothing is there.
             let coarse = self.trilinear(level + 1, position)?;
-            Some(self.trilinear(level, position).unwrap_or(Sample::NOTHING).lerp(coarse, share))
+            Some(self.trilinear(level, position).unwrap_or_default().lerp(coarse, share))
         } else {
             self.trilinear(level, position)
         }
@@ -153,25 +169,28 @@ impl Octree {
     }
 
     /// `None` where no triangle touches any of the eight nodes.
-    fn trilinear(&self, level: usize, position: Vec3) -> Option<Sample> {
+    fn trilinear(&self, level: usize, position: Vec3) -> Option<Slope> {
         let nodes = &self.levels[level];
         let taps = Taps::new(position, level, nodes.side)?;
-        let (mut sample, mut touched) = (Sample::NOTHING, false);
-        taps.for_each(nodes, |brick, index, weight| {
+        let (mut slope, mut touched) = (Slope::default(), false);
+        taps.for_each(nodes, |brick, index, c| {
             let (mean, sd) = nodes.mean_sd(brick, index);
-            sample.mean += weight * mean;
-            sample.sd += weight * sd;
+            let weight = taps.weight(c);
+            slope.sample.mean += weight * mean;
+            slope.sample.sd += weight * sd;
+            slope.gradient += taps.slope(c) * mean;
             touched |= nodes.is_occupied(brick, index);
         });
-        touched.then_some(sample)
+        slope.gradient *= 1.0 / (1u32 << level) as f32;
+        touched.then_some(slope)
     }
 
     fn trilinear_axes(&self, level: usize, position: Vec3) -> Vec3 {
         let nodes = &self.levels[level];
         let mut opacities = Vec3::ZERO;
         if let Some(taps) = Taps::new(position, level, nodes.side) {
-            taps.for_each(nodes, |brick, index, weight| {
-                opacities += weight * nodes.axis_opacities(brick, index);
+            taps.for_each(nodes, |brick, index, c| {
+                opacities += taps.weight(c) * nodes.axis_opacities(brick, index);
             });
         }
         opacities

@@ -64,7 +64,7 @@ fn a_wall_darkens_with_its_distance_as_rays_say() {
             .collect();
         let found = rmse(&scene, &octree, &asks, ConeSet::Sixteen);
         println!("wall, turn {k}: RMSE {found:.3}");
-        assert!(found < 0.08, "turn {k}: {found}");
+        assert!(found < 0.06, "turn {k}: {found}");
         // Without the wall in the octree the same comparison must fail.
         assert!(rmse(&scene, &floor.turned(q).octree(256), &asks, ConeSet::Sixteen) > 0.15);
     }
@@ -106,23 +106,24 @@ fn discs_and_balls_overhead() {
         println!("ball {radius} at {centre}: {found:.3}, truth {truth:.3}");
         errors.push(found - truth);
     }
-    // A disc met head-on lets 1/e of each cone pass: see the notes of the march.
+    // Cells that the disc's rim divides count as wholly open or closed.
     let found = root_mean_square(errors);
-    assert!(found < 0.2, "{found}");
+    println!("discs and balls: RMSE {found:.3}");
+    assert!(found < 0.15, "{found}");
     assert!((by(floor) - 1.0).abs() < 0.01);
 }
 
 #[test]
 fn ceilings_count_within_the_distance_only_and_by_their_opacity() {
     let scene = |opacity: f32| {
-        let mut geometry = Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0).geometry();
-        // Material 0 is that of the floor, too: it only stands on itself.
-        let opacity = conray_core::Opacity::Constant(opacity);
-        let material = geometry.add_material(conray_core::Material { opacity, ..Default::default() });
-        let mesh =
-            Soup::default().square(Vec3::new(0.0, 0.0, 0.2), Vec3::Z, 1.0).mesh().with_material(material);
-        let mesh = geometry.add_mesh(mesh).unwrap();
-        geometry.add_instance(mesh, conray_core::Affine3A::IDENTITY).unwrap();
+        let mut geometry = conray_core::Geometry::default();
+        for (opacity, height) in [(1.0, 0.0), (opacity, 0.2)] {
+            let opacity = conray_core::Opacity::Constant(opacity);
+            let material = geometry.add_material(conray_core::Material { opacity, ..Default::default() });
+            let sheet = Soup::default().square(Vec3::new(0.0, 0.0, height), Vec3::Z, 1.0);
+            let mesh = geometry.add_mesh(sheet.mesh().with_material(material)).unwrap();
+            geometry.add_instance(mesh, conray_core::Affine3A::IDENTITY).unwrap();
+        }
         built(&geometry, 256)
     };
     let at = |octree: &Octree, distance: f32| {
@@ -137,10 +138,10 @@ fn ceilings_count_within_the_distance_only_and_by_their_opacity() {
         println!("ceiling within {distance}: {found:.3}, truth {truth:.3}");
         assert!((found - truth).abs() < 0.2, "{distance}: {found} {truth}");
     }
-    // Seen through a ceiling of opacity a: 1 - a; the march gives exp(-a / cos) in the mean over directions.
-    let seen = [0.0f32, 0.25, 0.5, 0.75].map(|a| (1.0 - a, at(&scene(a), 0.6)));
+    // Seen through a ceiling of opacity a: 1 - a, but for what passes the ceiling's rim or the distance.
+    let seen = [0.0f32, 0.25, 0.5, 0.75, 1.0].map(|a| (1.0 - a, at(&scene(a), 1.5)));
     println!("ceilings by opacity: {seen:.3?}");
-    assert!(seen.iter().all(|(truth, found)| (truth - found).abs() < 0.15), "{seen:?}");
+    assert!(seen.iter().all(|(truth, found)| (truth - found).abs() < 0.1), "{seen:?}");
     assert!(seen.is_sorted_by(|a, b| a.1 > b.1));
 }
 
@@ -176,7 +177,8 @@ fn cones_approach_rays_as_voxels_and_apertures_shrink() {
 #[test]
 fn the_ring_under_a_ball() {
     let soup = Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0).ball(Vec3::new(0.0, 0.0, 0.3), 0.3, 16);
-    let asks: Vec<Ask> = (1..40)
+    // From two voxels of clearance: nearer the contact, the lift takes samples through the ball's shell.
+    let asks: Vec<Ask> = (5..40)
         .map(|i| Ask {
             position: Vec3::new(0.02 * i as f32, 0.0, 0.0),
             normal: Vec3::Z,
@@ -186,7 +188,7 @@ fn the_ring_under_a_ball() {
         .collect();
     let found = rmse(&soup, &soup.octree(256), &asks, ConeSet::Sixteen);
     println!("ball on a plane: RMSE {found:.3}");
-    assert!(found < 0.12, "{found}");
+    assert!(found < 0.1, "{found}");
 }
 
 fn query() -> impl Strategy<Value = ConeQuery> {
@@ -209,7 +211,7 @@ fn query() -> impl Strategy<Value = ConeQuery> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
     #[test]
     fn any_question_has_an_answer(query in query()) {
         thread_local!(static OCTREE: Octree = still_life().0.octree(64));
@@ -268,11 +270,11 @@ fn empty_paths_are_exactly_open_and_bad_questions_are_told() {
     // From outside, into the surface: a needle meets the sheet once.
     let into = ConeQuery { apex: Vec3::new(0.1, 0.1, 5.0), axis: Vec3::NEG_Z, half_angle_rad: 0.0, ..query };
     let needle = octree.march(&ConeQuery { normal: Vec3::NEG_Z, ..into });
-    assert!((needle.visibility - (-1.0f32).exp()).abs() < 0.1, "{needle:?}");
+    assert!(needle.visibility < 0.1, "{needle:?}");
 }
 
 #[test]
-fn axis_opacities_hold_walls_closed_too() {
+fn axis_opacities_close_rooms_as_means_do() {
     let soup =
         Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0).square(Vec3::new(0.0, 0.0, 0.4), Vec3::Z, 1.0);
     let options = conray_voxel::OctreeOptions { resolution: 128, directional: true, ..Default::default() };
@@ -281,5 +283,5 @@ fn axis_opacities_hold_walls_closed_too() {
     let found = by_cones(&octree, &ask, ConeSet::Sixteen, &MarchOptions::axes());
     let plain = by_cones(&octree, &ask, ConeSet::Sixteen, &MarchOptions::default());
     println!("under a ceiling: {found:.3} by axes, {plain:.3} by means");
-    assert!(found < plain + 0.05 && found < 0.35);
+    assert!(found < 0.1 && plain < 0.1);
 }

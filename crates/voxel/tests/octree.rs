@@ -140,7 +140,7 @@ fn corner() -> impl Strategy<Value = Vec3> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..Default::default() })]
     #[test]
     fn emptiness_equals_exact_clipping(
         any in prop::collection::vec((corner(), corner(), corner()), 1..6),

@@ -10,22 +10,22 @@ use glam::DVec3;
 
 /// Triangles as three corners each.
 #[derive(Clone, Default)]
-pub struct Soup(pub Vec<[Vec3; 3]>);
+pub(crate) struct Soup(pub(crate) Vec<[Vec3; 3]>);
 
 impl Soup {
-    pub fn quad(mut self, [a, b, c, d]: [Vec3; 4]) -> Self {
+    pub(crate) fn quad(mut self, [a, b, c, d]: [Vec3; 4]) -> Self {
         self.0.extend([[a, b, c], [a, c, d]]);
         self
     }
 
     /// A square of that half-size about a point, across a normal.
-    pub fn square(self, centre: Vec3, normal: Vec3, half: f32) -> Self {
+    pub(crate) fn square(self, centre: Vec3, normal: Vec3, half: f32) -> Self {
         let f = Frame::from_normal(normal);
         let at = |x: f32, y: f32| centre + half * (x * f.x + y * f.y);
         self.quad([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)])
     }
 
-    pub fn cuboid(mut self, centre: Vec3, half: Vec3, turn: Quat) -> Self {
+    pub(crate) fn cuboid(mut self, centre: Vec3, half: Vec3, turn: Quat) -> Self {
         let corner = |i: usize| {
             let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
             centre + turn * (half * Vec3::new(sign(0), sign(1), sign(2)))
@@ -36,7 +36,7 @@ impl Soup {
         self
     }
 
-    pub fn ball(mut self, centre: Vec3, radius: f32, rows: u32) -> Self {
+    pub(crate) fn ball(mut self, centre: Vec3, radius: f32, rows: u32) -> Self {
         let at = |i: u32, j: u32| {
             let theta = std::f32::consts::PI * i as f32 / rows as f32;
             let phi = std::f32::consts::PI * j as f32 / rows as f32;
@@ -51,7 +51,7 @@ impl Soup {
     }
 
     /// A disc facing z.
-    pub fn disc(mut self, centre: Vec3, radius: f32) -> Self {
+    pub(crate) fn disc(mut self, centre: Vec3, radius: f32) -> Self {
         let at = |j: u32| {
             let (sin, cos) = (std::f32::consts::TAU * j as f32 / 64.0).sin_cos();
             centre + radius * Vec3::new(cos, sin, 0.0)
@@ -60,32 +60,32 @@ impl Soup {
         self
     }
 
-    pub fn turned(mut self, turn: Quat) -> Self {
+    pub(crate) fn turned(mut self, turn: Quat) -> Self {
         self.0.iter_mut().flatten().for_each(|c| *c = turn * *c);
         self
     }
 
-    pub fn mesh(&self) -> TriangleMesh {
+    pub(crate) fn mesh(&self) -> TriangleMesh {
         let positions = self.0.iter().flatten().copied().collect();
         let triangles = (0..self.0.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         TriangleMesh::new(positions, triangles).unwrap()
     }
 
-    pub fn geometry(&self) -> Geometry {
+    pub(crate) fn geometry(&self) -> Geometry {
         let mut geometry = Geometry::default();
         let mesh = geometry.add_mesh(self.mesh()).unwrap();
         geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
         geometry
     }
 
-    pub fn octree(&self, resolution: u32) -> Octree {
+    pub(crate) fn octree(&self, resolution: u32) -> Octree {
         built(&self.geometry(), resolution)
     }
 
     /// True where nothing lies within the distance.
     ///
     /// Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
-    pub fn is_open(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+    pub(crate) fn is_open(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
         !self.0.iter().any(|t| {
             let [a, b, c] = t.map(Vec3::as_dvec3);
@@ -101,7 +101,7 @@ impl Soup {
     }
 
     /// Visibility by `rays` rays in each cone's cell.
-    pub fn visibility(&self, at: &Ask, cones: &HemisphereCones, rays: u32) -> f32 {
+    pub(crate) fn visibility(&self, at: &Ask, cones: &HemisphereCones, rays: u32) -> f32 {
         let frame = Frame::from_normal(at.normal);
         let origin = at.position + at.normal * 1e-5;
         let share = |(k, cone): (u32, &conray_core::Cone)| {
@@ -119,21 +119,21 @@ impl Soup {
 
 /// A question: visibility here, within that distance.
 #[derive(Clone, Copy, Debug)]
-pub struct Ask {
-    pub position: Vec3,
-    pub normal: Vec3,
-    pub distance: f32,
-    pub seed: u32,
+pub(crate) struct Ask {
+    pub(crate) position: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) distance: f32,
+    pub(crate) seed: u32,
 }
 
-pub fn built(geometry: &Geometry, resolution: u32) -> Octree {
+pub(crate) fn built(geometry: &Geometry, resolution: u32) -> Octree {
     let octree = Octree::build(geometry, &OctreeOptions { resolution, ..Default::default() }).unwrap();
     octree.validate().unwrap();
     octree
 }
 
 /// Visibility by cones.
-pub fn by_cones(octree: &Octree, at: &Ask, set: ConeSet, options: &MarchOptions) -> f32 {
+pub(crate) fn by_cones(octree: &Octree, at: &Ask, set: ConeSet, options: &MarchOptions) -> f32 {
     let frame = Frame::from_normal(at.normal);
     let cones = HemisphereCones::new(set);
     let march = |cone: &conray_core::Cone| {
@@ -151,17 +151,17 @@ pub fn by_cones(octree: &Octree, at: &Ask, set: ConeSet, options: &MarchOptions)
 }
 
 /// A number in [0, 1) for each index.
-pub fn random(index: u32) -> f32 {
+pub(crate) fn random(index: u32) -> f32 {
     hash_u32(index) as f32 / 4_294_967_296.0
 }
 
 /// A rotation for each index.
-pub fn turn(index: u32) -> Quat {
+pub(crate) fn turn(index: u32) -> Quat {
     let angle = |k: u32| std::f32::consts::TAU * random(1000 + 3 * index + k);
     Quat::from_euler(glam::EulerRot::ZXZ, angle(0), angle(1), angle(2))
 }
 
-pub fn root_mean_square(errors: impl IntoIterator<Item = f32>) -> f32 {
+pub(crate) fn root_mean_square(errors: impl IntoIterator<Item = f32>) -> f32 {
     let (mut sum, mut count) = (0.0f64, 0u32);
     for e in errors {
         sum += f64::from(e).powi(2);
