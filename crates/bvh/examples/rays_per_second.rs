@@ -3,6 +3,9 @@
 //! Without a file: a generated hall of wavy floors and columns. Rays are those of ambient occlusion: they start at
 //! random surface points, cosine-weighted, incoherent. Of an OBJ file only vertices and faces are read.
 
+#[path = "../tests/common/obj.rs"]
+mod obj;
+
 use conray_bvh::{Bvh, Hit};
 use conray_core::{
     Affine3A, Falloff, Frame, Geometry, Ray, SurfacePoint, TriangleMesh, Vec3, cosine_hemisphere, hash_u32,
@@ -14,7 +17,7 @@ use std::time::Instant;
 
 fn main() {
     let mesh = match std::env::args().nth(1) {
-        Some(path) => read_obj(&std::fs::read_to_string(path).expect("the file can be read")),
+        Some(path) => obj::read(&std::fs::read_to_string(path).expect("the file can be read")),
         None => hall(),
     };
     let mut geometry = Geometry::default();
@@ -31,19 +34,16 @@ fn main() {
     println!("built in {build:.0?} on {} threads: {:?}", rayon::current_num_threads(), bvh.stats());
     let size = bvh.bounds().diagonal();
     for (name, distance) in [("0.05", 0.05 * size), ("0.2", 0.2 * size), ("inf", f32::INFINITY)] {
-        for scattered in [false, true] {
-            let rays = if scattered {
-                ambient_rays(&bvh, distance, 1 << 19, 1, true)
-            } else {
-                ambient_rays(&bvh, distance, 1 << 15, 16, false)
-            };
+        for (what, points, per_point, scattered) in
+            [("16 rays a point, points in order", 1 << 15, 16, false), ("scattered rays", 1 << 19, 1, true)]
+        {
+            let rays = ambient_rays(&bvh, distance, points, per_point, scattered);
             let (transmittance, open) = speed(&rays, |ray| bvh.transmittance(ray));
             let (falloff, _) = speed(&rays, |ray| bvh.visibility(ray, Falloff::Linear, distance));
             let (nearest, _) = speed(&rays, |ray| bvh.nearest(ray).map_or(0.0, |hit| hit.t));
             println!(
-                "distance {name} of the diagonal, {}: transmittance {transmittance:.2}, with falloff {falloff:.2}, \
-             nearest {nearest:.2} Mrays/s; mean visibility {open:.4}",
-                if scattered { "one ray a point, points scattered" } else { "16 rays a point" }
+                "distance {name} of the diagonal, {what}: transmittance {transmittance:.2}, with falloff \
+                 {falloff:.2}, nearest {nearest:.2} Mrays/s; mean visibility {open:.4}"
             );
         }
     }
@@ -92,30 +92,6 @@ fn ambient_rays(bvh: &Bvh, distance: f32, points: u32, per_point: u32, scattered
         })
     };
     (0..points).flat_map(rays).collect()
-}
-
-/// Vertices and faces of an OBJ file, faces as fans.
-fn read_obj(text: &str) -> TriangleMesh {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let p: Vec<f32> = words.take(3).map(|w| w.parse().expect("a number")).collect();
-                positions.push(Vec3::from_slice(&p));
-            }
-            Some("f") => {
-                let index = |w: &str| {
-                    let i: i64 = w.split('/').next().unwrap_or_default().parse().expect("an index");
-                    (if i < 0 { positions.len() as i64 + i } else { i - 1 }) as u32
-                };
-                let face: Vec<u32> = words.map(index).collect();
-                triangles.extend((2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
-            }
-            _ => {}
-        }
-    }
-    TriangleMesh::new(positions, triangles).expect("the file is sound")
 }
 
 /// A hall of about 200,000 triangles: wavy floor and ceiling, four walls, rows of round columns.

@@ -7,6 +7,8 @@
 
 use conray_core::{Bounds, Vec3};
 use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::node::Bvh2Node;
 use rayon::join;
 
 /// Bins per axis.
@@ -15,26 +17,6 @@ const BINS: usize = 16;
 const MEDIAN_DEPTH: u32 = 40;
 /// Subtrees of fewer items are built by one thread.
 const PARALLEL_ITEMS: usize = 4096;
-
-/// A node of the two-way tree. The root is node 0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BinaryNode {
-    /// Box, scaled to about [-1, 1]; a guide for the heuristics, not a bound.
-    pub(crate) lo: Vec3A,
-    /// Its upper corner.
-    pub(crate) hi: Vec3A,
-    /// Leaf: the item. Else: the first of two children, which lie side by side.
-    pub(crate) first: u32,
-    /// True for leaves.
-    pub(crate) is_leaf: bool,
-}
-
-impl BinaryNode {
-    /// Half of the box's surface area.
-    pub(crate) fn half_area(&self) -> f32 {
-        half_area(self.lo, self.hi)
-    }
-}
 
 #[inline]
 fn half_area(lo: Vec3A, hi: Vec3A) -> f32 {
@@ -72,14 +54,16 @@ impl Box3 {
     }
 }
 
-/// Builds the tree over non-empty, finite boxes: `2 n - 1` nodes, none for no items.
-pub(crate) fn build(boxes: &[Bounds]) -> Vec<BinaryNode> {
+/// Builds the tree over non-empty, finite boxes: `2 n - 1` nodes in the layout of [`obvhs`], none for no items.
+///
+/// The root is node 0 and children lie side by side. A leaf's `first_index` is its one item. Boxes are scaled to about
+/// [-1, 1]: a guide for the heuristics, no bounds.
+pub(crate) fn build(boxes: &[Bounds]) -> Vec<Bvh2Node> {
     if boxes.is_empty() {
         return Vec::new();
     }
     let mut items = scaled_items(boxes);
-    let blank = BinaryNode { lo: Vec3A::ZERO, hi: Vec3A::ZERO, first: 0, is_leaf: true };
-    let mut nodes = vec![blank; 2 * items.len() - 1];
+    let mut nodes = vec![Bvh2Node::default(); 2 * items.len() - 1];
     let (root, rest) = nodes.split_first_mut().expect("there is at least one item");
     build_subtree(root, rest, 1, &mut items, 0);
     nodes
@@ -96,18 +80,18 @@ fn scaled_items(boxes: &[Bounds]) -> Vec<Item> {
 }
 
 /// Fills `node` and its descendants, which take exactly the slots `rest`; the first of those has index `first`.
-fn build_subtree(node: &mut BinaryNode, rest: &mut [BinaryNode], first: u32, items: &mut [Item], depth: u32) {
+fn build_subtree(node: &mut Bvh2Node, rest: &mut [Bvh2Node], first: u32, items: &mut [Item], depth: u32) {
     let (mut whole, mut centres) = (Box3::EMPTY, Box3::EMPTY);
     for item in items.iter() {
         whole.add(item.lo, item.hi);
         centres.add(item.centre(), item.centre());
     }
-    (node.lo, node.hi) = (whole.lo, whole.hi);
+    let aabb = Aabb::new(whole.lo, whole.hi);
     if let [item] = items {
-        (node.first, node.is_leaf) = (item.index, true);
+        *node = Bvh2Node::new(aabb, 1, item.index);
         return;
     }
-    (node.first, node.is_leaf) = (first, false);
+    *node = Bvh2Node::new(aabb, 0, first);
     let middle = split(items, &centres, depth);
     let (left_items, right_items) = items.split_at_mut(middle);
     let (children, rest) = rest.split_at_mut(2);
@@ -239,13 +223,17 @@ fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
 mod tests {
     use super::*;
 
-    fn depth(nodes: &[BinaryNode], node: usize) -> u32 {
+    fn depth(nodes: &[Bvh2Node], node: usize) -> u32 {
         let n = &nodes[node];
-        if n.is_leaf { 1 } else { 1 + depth(nodes, n.first as usize).max(depth(nodes, n.first as usize + 1)) }
+        if n.is_leaf() {
+            1
+        } else {
+            1 + depth(nodes, n.first_index as usize).max(depth(nodes, n.first_index as usize + 1))
+        }
     }
 
-    fn leaves(nodes: &[BinaryNode]) -> Vec<u32> {
-        let mut items: Vec<u32> = nodes.iter().filter(|n| n.is_leaf).map(|n| n.first).collect();
+    fn leaves(nodes: &[Bvh2Node]) -> Vec<u32> {
+        let mut items: Vec<u32> = nodes.iter().filter(|n| n.is_leaf()).map(|n| n.first_index).collect();
         items.sort_unstable();
         items
     }
@@ -260,7 +248,7 @@ mod tests {
             Bounds { min: Vec3::splat(x), max: Vec3::splat(x) }
         };
         let huge = |i: u32| {
-            let x = if i % 2 == 0 { f32::MAX } else { -f32::MAX };
+            let x = if i.is_multiple_of(2) { f32::MAX } else { -f32::MAX };
             Bounds { min: Vec3::splat(x), max: Vec3::splat(x) }
         };
         let cases: [&dyn Fn(u32) -> Bounds; 4] = [&nested, &same, &geometric, &huge];
@@ -279,8 +267,8 @@ mod tests {
         let boxes: Vec<Bounds> = (0..64).map(|i| at(if i % 2 == 0 { 0.0 } else { 100.0 })).collect();
         let nodes = build(&boxes);
         let root = nodes[0];
-        let [left, right] = [nodes[root.first as usize], nodes[root.first as usize + 1]];
-        assert!(left.hi.x < right.lo.x || right.hi.x < left.lo.x);
+        let [left, right] = [nodes[root.first_index as usize], nodes[root.first_index as usize + 1]];
+        assert!(left.aabb.max.x < right.aabb.min.x || right.aabb.max.x < left.aabb.min.x);
     }
 
     #[test]

@@ -16,10 +16,12 @@ pub(crate) fn cut(limit: f32) -> f32 {
     limit * CUT
 }
 
-/// Most entries of the stack for which there is room; [`WideTree::stack_entries`] must not exceed it.
-pub(crate) const MAX_STACK: usize = 256;
-/// Trees of usual depth use this, which is cheaper to set up.
-const SMALL_STACK: usize = 64;
+/// Trees of usual depth fit into the first, which is cheap to set up, nearly all others into the second; a tree so deep
+/// that it takes more gets its stack from the heap.
+const STACK_SIZES: [usize; 2] = [64, 256];
+
+type Entry = (Child, f32);
+const NO_ENTRY: Entry = (Child::EMPTY, 0.0);
 
 /// Visits the leaves that the ray may meet. `leaf` gets the first item and the number of items, and returns how far
 /// hits still count, or `None` to stop. Returns false where it was stopped.
@@ -32,21 +34,23 @@ pub(crate) fn traverse(
 ) -> bool {
     if tree.nodes.is_empty() {
         true
-    } else if tree.stack_entries <= SMALL_STACK {
-        traverse_with::<SMALL_STACK>(&tree.nodes, slab, limit, leaf)
+    } else if tree.stack_entries <= STACK_SIZES[0] {
+        traverse_with(&tree.nodes, slab, limit, leaf, &mut [NO_ENTRY; STACK_SIZES[0]])
+    } else if tree.stack_entries <= STACK_SIZES[1] {
+        traverse_with(&tree.nodes, slab, limit, leaf, &mut [NO_ENTRY; STACK_SIZES[1]])
     } else {
-        traverse_with::<MAX_STACK>(&tree.nodes, slab, limit, leaf)
+        traverse_with(&tree.nodes, slab, limit, leaf, &mut vec![NO_ENTRY; tree.stack_entries])
     }
 }
 
 #[inline(always)]
-fn traverse_with<const STACK: usize>(
+fn traverse_with(
     nodes: &[Node],
     slab: &Slab,
     limit: f32,
     mut leaf: impl FnMut(u32, u32) -> Option<f32>,
+    stack: &mut [Entry],
 ) -> bool {
-    let mut stack = [(Child::EMPTY, 0f32); STACK];
     let mut height = 0;
     let mut far = cut(limit);
     let mut current = Child::inner(0);

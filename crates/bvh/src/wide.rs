@@ -5,9 +5,9 @@
 //! it has four (Dammertz, Hanika, Keller, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent
 //! Rays", 2008).
 
-use crate::binary::BinaryNode;
 use crate::node::{Child, ChildKind, Node};
 use conray_core::Bounds;
+use obvhs::bvh2::node::Bvh2Node;
 
 /// What leaves are made of.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl WideTree {
     /// Makes the wide tree over `boxes` from their two-way tree. `emit` stores the items of a leaf side by side and
     /// returns where the first of them went.
     pub(crate) fn new(
-        binary: &[BinaryNode],
+        binary: &[Bvh2Node],
         boxes: &[Bounds],
         rule: LeafRule,
         mut emit: impl FnMut(&[u32]) -> u32,
@@ -142,21 +142,21 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(binary: &[BinaryNode], boxes: &[Bounds], rule: LeafRule) -> Self {
+    fn new(binary: &[Bvh2Node], boxes: &[Bounds], rule: LeafRule) -> Self {
         let mut bounds = vec![Bounds::EMPTY; binary.len()];
         let mut is_leaf = vec![false; binary.len()];
         let mut costs = vec![0f32; binary.len()];
         let mut counts = vec![0u32; binary.len()];
         for &n in parents_first(binary).iter().rev() {
             let (i, node) = (n as usize, &binary[n as usize]);
-            let area = node.half_area();
+            let area = node.aabb().half_area();
             let leaf_cost = |items: u32| area * rule.group_cost * items.div_ceil(rule.group) as f32;
-            if node.is_leaf {
-                bounds[i] = boxes[node.first as usize];
+            if node.is_leaf() {
+                bounds[i] = boxes[node.first_index as usize];
                 (counts[i], costs[i], is_leaf[i]) = (1, leaf_cost(1), true);
                 continue;
             }
-            let (l, r) = (node.first as usize, node.first as usize + 1);
+            let (l, r) = (node.first_index as usize, node.first_index as usize + 1);
             bounds[i] = bounds[l].union(bounds[r]);
             counts[i] = counts[l] + counts[r];
             costs[i] = area + costs[l] + costs[r];
@@ -168,15 +168,15 @@ impl Plan {
     }
 
     /// The two to four nodes that become the children of the wide node made from `node`; one where it is a leaf itself.
-    fn open(&self, node: u32, binary: &[BinaryNode]) -> ([u32; 4], usize) {
+    fn open(&self, node: u32, binary: &[Bvh2Node]) -> ([u32; 4], usize) {
         let (mut children, mut count) = ([node, 0, 0, 0], 1);
         while count < 4 {
-            let area = |c: u32| binary[c as usize].half_area();
+            let area = |c: u32| binary[c as usize].aabb().half_area();
             let openable = (0..count).filter(|&i| !self.is_leaf[children[i] as usize]);
             let Some(i) = openable.max_by(|&a, &b| area(children[a]).total_cmp(&area(children[b]))) else {
                 break;
             };
-            let first = binary[children[i] as usize].first;
+            let first = binary[children[i] as usize].first_index;
             (children[i], children[count]) = (first, first + 1);
             count += 1;
         }
@@ -184,29 +184,29 @@ impl Plan {
     }
 
     /// Items of the leaves below a node, in order.
-    fn items_below(&self, node: u32, binary: &[BinaryNode], items: &mut Vec<u32>) {
+    fn items_below(&self, node: u32, binary: &[Bvh2Node], items: &mut Vec<u32>) {
         items.clear();
         let mut stack = vec![node];
         while let Some(n) = stack.pop() {
             let node = &binary[n as usize];
-            if node.is_leaf {
-                items.push(node.first);
+            if node.is_leaf() {
+                items.push(node.first_index);
             } else {
-                stack.extend([node.first + 1, node.first]);
+                stack.extend([node.first_index + 1, node.first_index]);
             }
         }
     }
 }
 
 /// All nodes, each before its children.
-fn parents_first(binary: &[BinaryNode]) -> Vec<u32> {
+fn parents_first(binary: &[Bvh2Node]) -> Vec<u32> {
     let mut order = Vec::with_capacity(binary.len());
     let mut stack = vec![0u32];
     while let Some(n) = stack.pop() {
         order.push(n);
         let node = &binary[n as usize];
-        if !node.is_leaf {
-            stack.extend([node.first + 1, node.first]);
+        if !node.is_leaf() {
+            stack.extend([node.first_index + 1, node.first_index]);
         }
     }
     order

@@ -98,7 +98,7 @@ fn fans_and_slivers_close_too() {
         let (sin, cos) = (std::f32::consts::TAU * (i / 2) as f32 / (n / 2) as f32).sin_cos();
         let next = (std::f32::consts::TAU * (i / 2 + 1) as f32 / (n / 2) as f32).sin_cos();
         let p = Vec3::new(cos, sin, 0.0);
-        if i % 2 == 0 { p } else { 0.5 * (p + Vec3::new(next.1, next.0, 0.0)) }
+        if i.is_multiple_of(2) { p } else { 0.5 * (p + Vec3::new(next.1, next.0, 0.0)) }
     };
     let positions: Vec<Vec3> = (0..n).map(rim).chain([Vec3::Z, Vec3::NEG_Z]).collect();
     let triangles = (0..n).flat_map(|i| [[i, (i + 1) % n, n], [(i + 1) % n, i, n + 1]]).collect();

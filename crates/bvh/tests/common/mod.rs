@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
 pub(crate) mod brute;
+pub(crate) mod obj;
 pub(crate) mod shapes;
 
 use conray_bvh::Bvh;
@@ -31,7 +32,7 @@ impl Random {
     }
 
     pub(crate) fn below(&mut self, n: usize) -> usize {
-        (u64::from(self.bits()) * n as u64 >> 32) as usize
+        ((u64::from(self.bits()) * n as u64) >> 32) as usize
     }
 
     /// In the cube [-1, 1)^3.
