@@ -1,6 +1,6 @@
 //! Defects of geometry, counted.
 
-use crate::files::{face_normal, position_key};
+use crate::files::{face_normal, position_key, shown};
 use crate::{Scene, Warning, WarningKind};
 use conray_core::{Affine3A, TriangleMesh};
 use rayon::prelude::*;
@@ -18,8 +18,11 @@ impl Scene {
         let first = |kind, found: Option<(usize, usize)>, count: u64| {
             let (mesh, index) = found?;
             let what = if kind == WarningKind::UnusedVertices { "vertex" } else { "triangle" };
-            let of =
-                if meshes[mesh].name.is_empty() { format!("mesh {mesh}") } else { meshes[mesh].name.clone() };
+            let of = if meshes[mesh].name.is_empty() {
+                format!("mesh {mesh}")
+            } else {
+                shown(meshes[mesh].name.as_bytes())
+            };
             Some(Warning { kind, count, example: format!("{what} {index} of {of}") })
         };
         let tallies: Vec<Tally> = meshes.par_iter().map(Tally::of).collect();

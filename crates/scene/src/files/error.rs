@@ -107,7 +107,7 @@ impl Fault {
 }
 
 /// Text of a file as a message may show it: at most 40 characters, no control characters.
-pub(super) fn shown(text: &[u8]) -> String {
+pub(crate) fn shown(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(&text[..text.len().min(160)]);
     let mut shown: String =
         text.chars().take(40).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();

@@ -16,6 +16,7 @@ mod stl;
 mod text;
 mod weld;
 
+pub(crate) use error::shown;
 pub use error::{Fault, Place, SceneError};
 pub use format::Format;
 pub use limits::Limits;
