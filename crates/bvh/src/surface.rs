@@ -13,12 +13,23 @@
 //!
 //! Together under 18 u r, so [`position_error`] returns `u |p| + gamma(20) r`, the sum rounded up: some micrometres on
 //! a wall of several metres, and nothing that depends on the scene around it.
+//!
+//! # On which side of other surfaces it is
+//!
+//! Where two surfaces meet, as a wall meets the floor, a hit on the one may round to the far side of the other: the
+//! point then sees the inside of the wall. What lies between the ray's origin and the hit is known to be open, so
+//! [`Bvh::surface_point`] draws the position back along the ray by [`DRAWN_BACK`] error bounds, which brings it to the
+//! seen side of every surface that is not itself grazed, and adds as much to its error.
 
 use crate::bvh::Bvh;
 use crate::placement::{wide_matrix, world_corner};
 use crate::query::Hit;
 use conray_core::{Affine3A, Ray, SurfacePoint, TriangleMesh, Vec3, gamma};
 use glam::{DMat3, DVec3};
+
+/// How far surface points are drawn back along their ray, in error bounds of the hit: enough for the bounds of both
+/// surfaces that meet and for a wall seen at 60 degrees to its normal.
+const DRAWN_BACK: f32 = 4.0;
 
 /// Bound on each coordinate's error for a point computed on a triangle with these world-space corners: use it as
 /// [`SurfacePoint::position_error`], and rays from [`SurfacePoint::ray_origin`] do not meet the triangle again.
@@ -52,7 +63,8 @@ impl Bvh {
 
     /// The surface point where `ray` met `hit`, seen from the ray's side.
     ///
-    /// The position comes from the barycentrics, which is more exact than `origin + t direction`. The geometric normal
+    /// The position comes from the barycentrics, which is more exact than `origin + t direction`, drawn back along the
+    /// ray by a few error bounds so that it is on the seen side of surfaces that meet there. The geometric normal
     /// is that of the world-space corners, turned to face the ray's origin; the shading normal is interpolated from
     /// the vertex normals (by the inverse transpose, right for mirrored placements too), turned to the same side, and
     /// is the geometric normal where the mesh has none or where it points below the surface or has no length.
@@ -62,7 +74,9 @@ impl Bvh {
     /// Where the hit's instance or triangle does not exist: hits come from this hierarchy's queries.
     pub fn surface_point(&self, hit: &Hit, ray: &Ray) -> SurfacePoint {
         let corners = self.world_corners(hit.instance, hit.triangle);
-        let position = triangle_point(&corners, hit.u, hit.v);
+        let on_triangle = triangle_point(&corners, hit.u, hit.v);
+        let error = position_error(&corners, on_triangle);
+        let position = (on_triangle.as_dvec3() - f64::from(DRAWN_BACK * error) * ray.direction.as_dvec3()).as_vec3();
         let outward = plane_normal(&corners).unwrap_or(-ray.direction.as_dvec3());
         let towards_ray = if outward.dot(ray.direction.as_dvec3()) > 0.0 { -1.0 } else { 1.0 };
         let geometric = outward * towards_ray;
@@ -78,7 +92,8 @@ impl Bvh {
             geometric_normal: geometric.as_vec3(),
             shading_normal: shading.as_vec3(),
             footprint: 0.0,
-            position_error: position_error(&corners, position),
+            // The first bound holds at the hit; the rest is the way back, with its rounding inside the room it leaves.
+            position_error: ((1.0 + DRAWN_BACK) * error + gamma(1) * position.abs().max_element()).next_up(),
             id: 0,
         }
     }

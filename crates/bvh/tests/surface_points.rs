@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::shapes::mesh;
+use common::shapes::{mesh, quad};
 use common::{Random, Scene};
-use conray_core::{Affine3A, Mat3A, Opacity, Quat, Ray, Vec3};
+use conray_core::{Affine3A, Mat3A, Opacity, Quat, Ray, SurfacePoint, Vec3};
 use proptest::prelude::*;
 
 /// A triangle in the plane z = 0, its vertex normals tilted towards x.
@@ -25,7 +25,9 @@ fn both_sides_of_a_triangle() {
     let top = bvh.nearest(&above).unwrap();
     assert_eq!((top.t, top.instance, top.triangle, top.u, top.v), (1.0, 0, 0, 0.25, 0.5));
     let p = bvh.surface_point(&top, &above);
-    assert_eq!(p.position, Vec3::new(0.25, 0.5, 0.0));
+    let aside = p.position - Vec3::new(0.25, 0.5, 0.0);
+    assert!(aside.abs().max_element() <= p.position_error && p.position_error < 1e-5, "{p:?}");
+    assert!(aside.z > 0.0, "drawn back towards the ray's origin");
     assert_eq!((p.geometric_normal, p.shading_normal), (Vec3::Z, Vec3::new(0.6, 0.0, 0.8)));
     assert_eq!((p.footprint, p.id), (0.0, 0));
     let bottom = bvh.nearest(&below).unwrap();
@@ -101,4 +103,40 @@ proptest! {
         let along = (ray.origin + hit.t * ray.direction - p.position).length();
         prop_assert!(along <= 1e-5 * (scale + target.length() + origin.length()), "{along}");
     }
+}
+
+/// A floor, and a wall that stands on it in the plane x = `at` without going below it.
+fn wall_on_floor(at: f32) -> conray_bvh::Bvh {
+    let floor = quad(Vec3::new(at - 2.0, -3.1, 0.0), 4.0 * Vec3::X, 6.0 * Vec3::Y);
+    let wall = quad(Vec3::new(at, -2.3, 0.0), 5.0 * Vec3::Y, 1.5 * Vec3::Z);
+    Scene::default().with(floor).with(wall).bvh()
+}
+
+#[test]
+fn points_where_a_wall_meets_the_floor_stay_on_the_seen_side() {
+    let (mut random, mut met, mut behind) = (Random(5), 0, 0);
+    for at in [0.0f32, 0.37, 12.3, -417.9] {
+        let bvh = wall_on_floor(at);
+        for _ in 0..2000 {
+            // Rays from in front of the wall, aimed at the edge itself.
+            let foot = Vec3::new(at, 2.0 * random.signed(), 0.0);
+            let eye = foot + Vec3::new(0.5 + random.unit(), random.signed(), 0.3 + random.unit());
+            let ray = Ray { origin: eye, direction: (foot - eye).normalize(), t_max: f32::INFINITY };
+            let Some(hit) = bvh.nearest(&ray) else { continue };
+            let point = bvh.surface_point(&hit, &ray);
+            if point.geometric_normal.z < 0.9 {
+                continue;
+            }
+            met += 1;
+            // From the floor, a ray into the wall is closed, unless it starts behind the wall.
+            let into = Vec3::new(-0.8, 0.0, 0.6);
+            let open = |origin| bvh.transmittance(&Ray { origin, direction: into, t_max: 1.0 });
+            assert_eq!(open(point.ray_origin()), 0.0, "{point:?}");
+            let corners = bvh.world_corners(hit.instance, hit.triangle);
+            let plain = SurfacePoint::new(conray_bvh::triangle_point(&corners, hit.u, hit.v), Vec3::Z);
+            behind += usize::from(open(plain.ray_origin()) > 0.0);
+        }
+    }
+    assert!(met > 1000, "{met} hits of the floor");
+    assert!(behind > 0, "points that are not drawn back must fail here now and then");
 }
