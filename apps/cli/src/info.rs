@@ -98,7 +98,12 @@ fn lines(scene: &Scene, session: &Session, facts: &Value) -> Vec<String> {
             geometry.meshes().len(),
             geometry.instances().len()
         ),
-        format!("bounds {} to {}; automatic AO distance {}", bounds.min, bounds.max, facts["auto_distance"]),
+        format!(
+            "bounds {} to {}; automatic AO distance {}",
+            bounds.min,
+            bounds.max,
+            Distance::Auto.in_world(bounds.diagonal())
+        ),
         format!("{} materials, {} not opaque", geometry.materials().len(), masked.len()),
     ];
     lines.extend(masked.into_iter().map(|material| format!("  {material}")));

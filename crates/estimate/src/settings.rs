@@ -10,7 +10,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// Rays alone: unbiased, noisy with few rays.
+    /// Rays alone: unbiased, noisy with few rays. The default while no combination gives less error in the same time.
+    #[default]
     Rays,
     /// Cones alone: without noise, biased.
     Cones,
@@ -18,7 +19,6 @@ pub enum Method {
     /// Occlusion Computation".
     Paper,
     /// conray's own combination. For now it equals [`Method::Paper`].
-    #[default]
     Hybrid,
 }
 
