@@ -1,7 +1,6 @@
 //! Putting parts, materials and views together to a scene.
 
-use super::faces::Faces;
-use super::part::{Part, USUAL_CREASE_DEG};
+use super::part::Part;
 use crate::Scene;
 use conray_core::{
     Affine2, Affine3A, AlphaTexture, Geometry, Material, Opacity, TextureOpacity, Vec3, View, Wrap,
@@ -60,11 +59,6 @@ impl Assembly {
     pub(crate) fn add(&mut self, name: &str, part: Part, material: u32) {
         let mesh = self.store(name, part, material);
         self.place(mesh, Affine3A::IDENTITY, name.into());
-    }
-
-    /// Adds faces with the usual crease angle.
-    pub(crate) fn add_faces(&mut self, name: &str, faces: &Faces, material: u32) {
-        self.add(name, faces.smooth(USUAL_CREASE_DEG), material);
     }
 
     /// Adds a view.

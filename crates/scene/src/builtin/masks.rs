@@ -5,7 +5,7 @@
 
 use super::random::Random;
 use conray_core::{AlphaTexture, Vec2};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// One blade: a lens along a straight midrib.
 #[derive(Clone, Copy, Debug)]
@@ -74,22 +74,17 @@ pub(crate) fn broad_leaf() -> AlphaTexture {
 pub(crate) fn leafy_twig() -> AlphaTexture {
     let mut random = Random::new(11);
     let mut blades = Vec::new();
-    for i in 0..10 {
-        let (side, height) = (if i % 2 == 0 { 1.0 } else { -1.0 }, 0.06 + 0.072 * i as f32);
-        let angle = 0.62 + 0.25 * i as f32 / 10.0 + random.about_zero(0.14);
-        let length = 0.42 + random.about_zero(0.05);
-        let base = Vec2::new(0.5 + 0.012 * side, height);
-        let tip = base + length * Vec2::new(side * angle.cos(), angle.sin());
-        blades.push(Blade {
-            base,
-            tip: tip.clamp(Vec2::splat(0.02), Vec2::splat(0.98)),
-            slimness: 0.2,
-            widest: 0.45,
-            teeth: 0.1,
-        });
+    for i in 0..8 {
+        let (side, height) = (if i % 2 == 0 { 1.0 } else { -1.0 }, 0.1 + 0.083 * i as f32);
+        let angle = 0.4 + 0.4 * i as f32 / 8.0 + random.about_zero(0.1);
+        let length = 0.43 - 0.08 * i as f32 / 8.0 + random.about_zero(0.04);
+        // A short stalk between twig and blade.
+        let outward = Vec2::new(side * angle.cos(), angle.sin());
+        let base = Vec2::new(0.5, height) + 0.05 * outward;
+        blades.push(Blade { base, tip: base + length * outward, slimness: 0.19, widest: 0.42, teeth: 0.1 });
     }
-    let (base, tip) = (Vec2::new(0.5, 0.68), Vec2::new(0.5, 0.99));
-    blades.push(Blade { base, tip, slimness: 0.22, widest: 0.45, teeth: 0.1 });
+    let (base, tip) = (Vec2::new(0.5, 0.7), Vec2::new(0.5, 0.99));
+    blades.push(Blade { base, tip, slimness: 0.2, widest: 0.42, teeth: 0.1 });
     draw(128, 128, |p| union(&blades, p).max(stroke(p, Vec2::new(0.5, 0.0), base, 0.012)))
 }
 
@@ -118,25 +113,34 @@ pub(crate) fn fern_frond() -> AlphaTexture {
 
 /// A spray of five-lobed ivy leaves.
 pub(crate) fn ivy() -> AlphaTexture {
-    // Middle, size and turn of each leaf.
+    // Where the stalk meets the leaf, direction and size.
     let leaves = [
-        (Vec2::new(0.30, 0.28), 0.27, 0.5),
-        (Vec2::new(0.70, 0.33), 0.28, -0.6),
-        (Vec2::new(0.36, 0.68), 0.27, 0.25),
-        (Vec2::new(0.72, 0.74), 0.24, -0.2),
+        (Vec2::new(0.34, 0.17), Vec2::new(-0.5, 1.0), 0.34),
+        (Vec2::new(0.66, 0.26), Vec2::new(0.55, 1.0), 0.36),
+        (Vec2::new(0.36, 0.60), Vec2::new(-0.35, 1.0), 0.31),
+        (Vec2::new(0.66, 0.70), Vec2::new(0.3, 1.0), 0.26),
     ];
+    let mut blades = Vec::new();
+    for (foot, direction, size) in leaves {
+        // The lobes: angle from the middle one, and length over its length.
+        for (angle, length) in [(0.0, 1.0), (0.95, 0.82), (-0.95, 0.82), (1.95, 0.55), (-1.95, 0.55)] {
+            let lobe = Vec2::from_angle(angle).rotate(direction.normalize());
+            let tip = foot + size * length * lobe;
+            blades.push(Blade {
+                base: foot - 0.08 * size * lobe,
+                tip,
+                slimness: 0.3,
+                widest: 0.45,
+                teeth: 0.0,
+            });
+        }
+    }
+    let stem = [Vec2::new(0.5, 0.0), Vec2::new(0.48, 0.4), Vec2::new(0.52, 0.75)];
+    let stalks = leaves.map(|(foot, ..)| (foot, Vec2::new(0.5, foot.y - 0.1)));
     draw(128, 128, |p| {
-        let leaf = |&(centre, size, turn): &(Vec2, f32, f32)| {
-            let q = p - centre;
-            let angle = q.x.atan2(q.y) + turn;
-            // Lobes towards the tip, a notch at the stalk.
-            let lobes = 0.8 + 0.2 * (5.0 * angle).cos().max(-0.7);
-            let notch = 1.0 - 0.55 * (1.0 - (PI - angle.abs()).abs() / 0.5).clamp(0.0, 1.0);
-            let pointed = 1.0 + 0.16 * angle.cos();
-            size * lobes * notch * pointed - q.length()
-        };
-        let stem = stroke(p, Vec2::new(0.5, 0.0), Vec2::new(0.52, 0.8), 0.014);
-        leaves.iter().map(leaf).fold(stem, f32::max)
+        let stalk = stalks.iter().map(|&(from, to)| stroke(p, from, to, 0.012)).fold(-1.0, f32::max);
+        let stem = stroke(p, stem[0], stem[1], 0.014).max(stroke(p, stem[1], stem[2], 0.012));
+        union(&blades, p).max(stem).max(stalk)
     })
 }
 
@@ -172,7 +176,7 @@ pub(crate) fn needles() -> AlphaTexture {
         // Needles leave the rib at 45 degrees, every 0.09 widths, and shorten towards the tip.
         let reach = 0.46 * (1.0 - ((p.y - 0.9).abs() / 1.08).powi(4));
         let phase = ((p.y - away) / 0.09).rem_euclid(1.0) - 0.5;
-        let needle = 0.021 - phase.abs() * 0.09 * std::f32::consts::FRAC_1_SQRT_2;
+        let needle = 0.021 - phase.abs() * 0.09 * FRAC_1_SQRT_2;
         rib.max(needle.min(reach - away))
     })
 }

@@ -12,6 +12,8 @@ mod shapes;
 
 #[cfg(test)]
 mod checks;
+#[cfg(test)]
+mod tests;
 
 use crate::Scene;
 

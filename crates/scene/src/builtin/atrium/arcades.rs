@@ -29,10 +29,10 @@ pub(crate) fn add(assembly: &mut Assembly, stone: u32) {
     assembly.add("upper arches", upper, stone);
 }
 
-/// Where the wall of a side ends: those of the long sides reach round the corner columns, those of the short sides end
-/// inside them.
+/// Where the wall of a side ends: those of the long sides reach a little past the faces of the short ones, which end inside
+/// them.
 fn wall_end(side: &Side, half_thickness: f32) -> f32 {
-    side.half_length() + if side.is_long() { half_thickness } else { 0.05 - half_thickness }
+    side.half_length() + if side.is_long() { half_thickness + 0.012 } else { 0.05 - half_thickness }
 }
 
 fn lower_arcade(side: &Side) -> Faces {
@@ -100,7 +100,7 @@ fn roundel() -> Faces {
         .torus(0.025, 0.08, 3)
         .to(0.25, 0.085)
         .spline(&[(0.21, 0.03), (0.15, 0.025), (0.11, 0.08), (0.03, 0.12)], 2)
-        .to_axis();
+        .ending_on_axis();
     lathe(&profile, 16).transformed(&Affine3A::from_rotation_x(FRAC_PI_2))
 }
 

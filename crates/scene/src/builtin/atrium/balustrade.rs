@@ -57,7 +57,7 @@ fn baluster() -> Part {
         .spline(&[(0.045, 0.24), (0.085, 0.38), (0.04, 0.58), (0.038, 0.64)], 2)
         .to(0.065, 0.68)
         .to(0.065, 0.77)
-        .to_axis();
+        .ending_on_axis();
     lathe(&profile, 7).smooth(50.0)
 }
 

@@ -92,7 +92,7 @@ impl Drape {
             let fullness = (0.055 + 0.055 * (1.0 - pull)) * (1.0 - 0.55 * v.powi(6));
             let angle = TAU * self.folds * u + phase + 0.9 * (TAU * 0.5 * v + wobble).sin() * (1.0 - v);
             let sway = 0.25 * (2.3 * angle + wobble).sin() * (1.0 - v);
-            let free = if self.tied < 1.0 { u } else { u + 0.012 * (angle * 2.0).sin() };
+            let free = if self.tied < 1.0 { u } else { u + 0.004 * (angle * 2.0).sin() };
             // The free edge of a tied curtain sweeps up to the rod: its lower hem rises with u.
             let hem = if self.tied < 1.0 {
                 0.12 * u * u * (1.0 - v).powi(3)

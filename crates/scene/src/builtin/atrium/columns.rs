@@ -42,7 +42,7 @@ fn lower_column() -> Part {
         .torus(0.03, 3.47, 3)
         .to(0.275, 3.5)
         .flare(0.38, 4.06, 5)
-        .to_axis();
+        .ending_on_axis();
     let mut faces = slab(0.44, -0.1, 0.2);
     faces.extend(&lathe(&turned, 20));
     faces.extend(&slab(0.395, 4.03, 4.12));
@@ -81,7 +81,7 @@ fn upper_column() -> Part {
         .torus(0.02, height - 0.31, 3)
         .to(0.122, height - 0.28)
         .spline(&[(0.135, height - 0.2), (0.2, height - 0.11)], 3)
-        .to_axis();
+        .ending_on_axis();
     let mut faces = slab(0.2, -0.04, 0.09);
     faces.extend(&lathe(&turned, 13));
     faces.extend(&slab(0.215, height - 0.13, height + 0.02));

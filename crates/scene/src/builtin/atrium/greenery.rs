@@ -62,7 +62,7 @@ fn tall_vase() -> Part {
         .to(0.37, 0.93)
         .to(0.33, 0.93)
         .to(0.28, 0.84)
-        .to_axis();
+        .ending_on_axis();
     lathe(&profile, 22).smooth(45.0)
 }
 
@@ -75,7 +75,7 @@ fn low_vase() -> Part {
         .to(0.47, 0.54)
         .to(0.41, 0.54)
         .to(0.39, 0.47)
-        .to_axis();
+        .ending_on_axis();
     lathe(&profile, 22).smooth(45.0)
 }
 

@@ -100,7 +100,7 @@ fn spout() -> Part {
 
 /// A round basin on a foot, hollow, about the ground.
 fn basin() -> Part {
-    let profile = Profile::from_disc(0.62, -0.05)
+    let profile = Profile::from_disc(0.62, -0.03)
         .to(0.62, 0.1)
         .torus(0.04, 0.2, 4)
         .spline(&[(0.34, 0.34), (0.4, 0.48), (0.78, 0.66), (0.86, 0.78)], 4)
@@ -108,7 +108,7 @@ fn basin() -> Part {
         .torus(0.03, 0.9, 5)
         .to(0.8, 0.9)
         .spline(&[(0.77, 0.84), (0.62, 0.7), (0.2, 0.62)], 4)
-        .to_axis();
+        .ending_on_axis();
     lathe(&profile, 32).smooth(50.0)
 }
 

@@ -48,7 +48,7 @@ fn transverse_arch(depth: f32) -> Faces {
     let (near, far) = (0.40, depth - 0.34);
     let bay = ArchBay { centre: 0.5 * (near + far), half_width: 0.5 * (far - near), rise: RISE - 0.16 };
     let outline = arcade_outline(0.15, depth + 0.05, LOWER_SPRINGING, &[bay], 22);
-    let wall = extruded_wall(&outline, LOWER_SPRINGING + TOP, Vec2::new(-RIB, RIB));
+    let wall = extruded_wall(&outline, LOWER_SPRINGING + TOP - 0.03, Vec2::new(-RIB, RIB));
     // The wall runs along +x: turn it so that it runs along -z.
     wall.transformed(&Affine3A::from_rotation_y(FRAC_PI_2))
 }

@@ -181,7 +181,7 @@ fn window() -> Faces {
         for edge in [-0.235, 0.235] {
             let stile = cuboid(
                 Vec3::new(x + edge - 0.035, sill + 0.1, -0.05),
-                Vec3::new(x + edge + 0.035, springing, 0.06),
+                Vec3::new(x + edge + 0.035, springing - 0.02, 0.06),
             );
             faces.extend(&stile);
         }

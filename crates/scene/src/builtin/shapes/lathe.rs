@@ -73,7 +73,7 @@ impl Profile {
     }
 
     /// Goes level to the axis and ends there.
-    pub(crate) fn to_axis(self) -> Vec<Vec2> {
+    pub(crate) fn ending_on_axis(self) -> Vec<Vec2> {
         let height = self.last().y;
         self.to(0.0, height).points
     }
@@ -104,7 +104,7 @@ mod tests {
         let base = 32.0 * (TAU / 64.0).sin();
         assert!((volume(&cone) - base * 2.0 / 3.0).abs() < 1e-4);
         let vase = Profile::from_disc(0.4, 0.0).torus(0.1, 0.2, 6).spline(&[(0.8, 1.0), (0.3, 1.6)], 5);
-        assert_closed(&lathe(&vase.flare(0.5, 1.8, 4).to_axis(), 12).flat(), "vase");
+        assert_closed(&lathe(&vase.flare(0.5, 1.8, 4).ending_on_axis(), 12).flat(), "vase");
     }
 
     #[test]
