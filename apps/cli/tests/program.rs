@@ -39,7 +39,7 @@ fn files(folder: &TempDir) -> Vec<String> {
     names
 }
 
-const SMALL: [&str; 6] = ["--size", "48x32", "--voxels", "32", "--max-rays", "2"];
+const SMALL: [&str; 6] = ["--size", "48x32", "--voxels", "256", "--max-rays", "16"];
 
 fn render(folder: &TempDir, words: &[&str]) -> Output {
     let all: Vec<&str> = ["render"].iter().chain(words).chain(&SMALL).copied().collect();
@@ -141,7 +141,7 @@ fn wrong_requests_exit_with_2_name_the_option_and_touch_nothing() {
         (&["--size", "0x10"], &["--size", "WIDTHxHEIGHT"]),
         (&["--size", "65536x65536"], &["65536"]),
         (&["--fov", "180"], &["180"]),
-        (&["--fov", "nan"], &["field of view"]),
+        (&["--fov", "nan"], &["--fov", "0 to 180"]),
         (&["--eye", "1,2"], &["--eye", "three numbers"]),
         (&["--eye", "1,2,3"], &["--look-at"]),
         (&["--eye", "1,2,3", "--look-at", "1,2,3"], &["look"]),
@@ -189,8 +189,8 @@ fn bad_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("range.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n".to_vec(), "line 4"),
         ("nan.obj", b"v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "line 2"),
         ("words.obj", b"v 0 zero 0\nf 1 1 1\n".to_vec(), "line 1"),
-        ("short.glb", b"glTF\x02\0\0\0\xff\0\0\0".to_vec(), "truncated"),
-        ("text.gltf", b"{ not json".to_vec(), "JSON"),
+        ("short.glb", b"glTF\x02\0\0\0\xff\0\0\0".to_vec(), "ends here"),
+        ("text.gltf", b"{ not json".to_vec(), "line 1"),
         ("none.gltf", br#"{"asset":{"version":"2.0"}}"#.to_vec(), "no triangles"),
         (
             "draco.glb",
