@@ -41,9 +41,9 @@ pub(crate) fn atrium() -> Scene {
     greenery::add(&mut assembly);
 
     assembly.view("court", [10.4, 1.9, 0.8], [-12.8, 5.3, -0.3], 62.0);
-    assembly.view("gallery", [-5.9, 7.9, -8.2], [2.2, 8.0, -4.8], 62.0);
+    assembly.view("gallery", [-5.9, 7.9, -7.9], [2.2, 8.0, -4.0], 62.0);
     assembly.view("plants", [-1.9, 1.3, 0.3], [-4.75, 1.5, -4.6], 46.0);
-    assembly.view("arcade", [11.8, 1.7, -8.3], [-4.0, 2.75, -6.6], 62.0);
+    assembly.view("arcade", [11.5, 1.7, -7.9], [-4.0, 2.75, -6.2], 62.0);
     assembly.finish()
 }
 
