@@ -175,7 +175,7 @@ fn wrong_requests_exit_with_2_name_the_option_and_touch_nothing() {
 fn bad_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let glb = |json: &str| {
         let mut padded = json.as_bytes().to_vec();
-        while padded.len() % 4 != 0 {
+        while !padded.len().is_multiple_of(4) {
             padded.push(b' ');
         }
         let mut bytes = b"glTF".to_vec();

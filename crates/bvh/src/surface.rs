@@ -76,7 +76,8 @@ impl Bvh {
         let corners = self.world_corners(hit.instance, hit.triangle);
         let on_triangle = triangle_point(&corners, hit.u, hit.v);
         let error = position_error(&corners, on_triangle);
-        let position = (on_triangle.as_dvec3() - f64::from(DRAWN_BACK * error) * ray.direction.as_dvec3()).as_vec3();
+        let position =
+            (on_triangle.as_dvec3() - f64::from(DRAWN_BACK * error) * ray.direction.as_dvec3()).as_vec3();
         let outward = plane_normal(&corners).unwrap_or(-ray.direction.as_dvec3());
         let towards_ray = if outward.dot(ray.direction.as_dvec3()) > 0.0 { -1.0 } else { 1.0 };
         let geometric = outward * towards_ray;
