@@ -31,9 +31,9 @@ fn main() -> Result<(), Error> {
     let mut bench = Bench::new(judged(&args.scene)?, &base, (args.size, args.size), args.truth)?;
     println!("{:>6} {:>6} {:>6} {:>8} {:>8} {:>10}", "N_max", "gamma", "beta", "RMSE", "rays/px", "merit");
     let mut rows = Vec::new();
-    for max_rays in [1, 2, 4, 8, 16] {
+    for max_rays in [2, 4, 8, 16, 32] {
         for gamma in [0.0, 0.01, 0.02, 0.04, 0.08] {
-            for beta in [2.0, 5.0, 10.0, 20.0, 40.0, 100.0] {
+            for beta in [5.0, 10.0, 20.0, 40.0, 100.0, 200.0, 400.0] {
                 let (outcome, m) = bench.run(&AoSettings { max_rays, gamma, beta, ..base.clone() })?;
                 let points = outcome.estimates.len() as f64;
                 let (rays, cones) = (outcome.rays as f64 / points, outcome.cones as f64 / points);

@@ -125,7 +125,9 @@ impl Default for AoSettings {
             rays: 64,
             voxels: 512,
             cones: 16,
-            beta: 24.0,
+            // With gamma given, beta and N_max are those of least squared error times cost on the built-in `cornell`
+            // (`cargo run --release -p conray-bench --bin tune_paper`); beyond a beta of 100 little is gained.
+            beta: 100.0,
             // The 2 % below which an error is hardly seen: Walter et al., "Lightcuts", 2005.
             gamma: 0.02,
             max_rays: 8,
