@@ -64,6 +64,7 @@ fn facts(scene: &Scene, session: &Session, load_seconds: f64) -> Value {
         "bvh": { "seconds": built.bvh_seconds, "bytes": built.bvh_bytes },
         "octree": {
             "seconds": built.octree_seconds, "bytes": built.octree_bytes, "voxels": built.voxels,
+            "estimated_peak_bytes": session.estimate_octree_bytes(built.voxels),
             "leaves": stats.as_ref().map(|s| s.occupied.first().copied()), "voxel_size": stats.as_ref().map(|s| s.voxel_size),
         },
         "peak_memory_bytes": report::peak_memory(),
@@ -115,8 +116,9 @@ fn lines(scene: &Scene, session: &Session, facts: &Value) -> Vec<String> {
     }
     lines.push(format!("BVH {:.2} s, {}", built.bvh_seconds, bytes(built.bvh_bytes)));
     lines.push(format!(
-        "octree of {} voxels {:.2} s, {}, {} leaves",
+        "octree of {} voxels, estimated {}: {:.2} s, {}, {} leaves",
         built.voxels,
+        bytes(facts["octree"]["estimated_peak_bytes"].as_u64().unwrap_or(0)),
         built.octree_seconds,
         bytes(built.octree_bytes),
         facts["octree"]["leaves"]

@@ -72,8 +72,13 @@ impl Session {
         let (bvh, bvh_seconds) =
             timed(Stage::Bvh, observer, || pool.install(|| Bvh::build(Arc::clone(&geometry))))?;
         let mut report = BuildReport { bvh_seconds, bvh_bytes: bvh.memory_bytes(), ..Default::default() };
+        let octree_bytes = memory_left(settings, report.bvh_bytes + geometry_bytes(&geometry))?;
         let octree = if settings.method.needs_octree() {
-            let options = octree_options(settings, &geometry, report.bvh_bytes)?;
+            let options = OctreeOptions {
+                resolution: settings.voxels,
+                max_memory_bytes: octree_bytes,
+                ..OctreeOptions::default()
+            };
             let (octree, seconds) =
                 timed(Stage::Octree, observer, || pool.install(|| Octree::build(&geometry, &options)))?;
             report.octree_seconds = seconds;
@@ -125,6 +130,12 @@ impl Session {
         &self.report
     }
 
+    /// Bytes that an octree of that many leaves along the longest side would take at the peak of its build; 0 where
+    /// there is nothing to voxelise or the resolution is outside its range.
+    pub fn estimate_octree_bytes(&self, voxels: u32) -> u64 {
+        self.pool.install(|| Octree::estimate_memory(&self.geometry, voxels))
+    }
+
     /// The surface points that a camera sees, one per pixel centre.
     ///
     /// # Errors
@@ -156,26 +167,16 @@ impl Session {
     }
 }
 
-/// Options of the octree, with what is left of the memory allowed.
-fn octree_options(
-    settings: &AoSettings,
-    geometry: &Geometry,
-    bvh_bytes: u64,
-) -> Result<OctreeOptions, Error> {
-    let mut options = OctreeOptions { resolution: settings.voxels, ..Default::default() };
-    if let Some(allowed) = settings.max_memory {
-        let taken = bvh_bytes + geometry_bytes(geometry);
-        if taken >= allowed {
-            return Err(SettingsError {
-                option: "max-memory",
-                found: allowed.to_string(),
-                expected: format!("the scene and its BVH alone take {taken} bytes"),
-            }
-            .into());
-        }
-        options.max_memory_bytes = Some(allowed - taken);
+/// What is left of the memory allowed once the scene and its BVH are there; `None` without a limit.
+fn memory_left(settings: &AoSettings, taken: u64) -> Result<Option<u64>, SettingsError> {
+    match settings.max_memory {
+        Some(allowed) if taken >= allowed => Err(SettingsError {
+            option: "max-memory",
+            found: allowed.to_string(),
+            expected: format!("the scene and its BVH alone take {taken} bytes"),
+        }),
+        limit => Ok(limit.map(|allowed| allowed - taken)),
     }
-    Ok(options)
 }
 
 /// Bytes of the vertex and index arrays.

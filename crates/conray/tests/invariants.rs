@@ -146,11 +146,17 @@ fn memory_limits_step_the_octree_down_or_say_what_is_needed() {
         Session::build_observed(geometry(), &limited, &SessionOptions::default(), &observer).unwrap();
     assert!(stepped.report().voxels < 512);
     assert_eq!(*warned.get_mut().unwrap(), 1);
-    let impossible = AoSettings { max_memory: Some(1000), ..base };
-    match Session::build(geometry(), &impossible) {
-        Err(Error::Settings(e)) => assert_eq!(e.option, "max-memory"),
-        Err(Error::Voxel(_)) => {}
-        other => panic!("1000 bytes cannot do: {:?}", other.err()),
+    for method in Method::ALL {
+        let impossible = AoSettings { max_memory: Some(1000), method, ..base.clone() };
+        match Session::build(geometry(), &impossible) {
+            Err(Error::Settings(e)) => assert_eq!(e.option, "max-memory"),
+            other => panic!("{method}: 1000 bytes cannot do: {:?}", other.err()),
+        }
+    }
+    // Room for the scene and its BVH, but for no octree at all.
+    let tight = AoSettings { max_memory: Some(free.report().bvh_bytes + 2_000_000), ..base };
+    if let Err(error) = Session::build(geometry(), &tight) {
+        assert!(matches!(error, Error::Voxel(_)), "{error}");
     }
 }
 
