@@ -2,7 +2,7 @@
 
 use crate::{Error, Session};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{Backend, Control, Method, merge};
+use conray_estimate::{Backend, Control, merge};
 use std::{ops::Range, time::Instant};
 
 /// What became of the points.
@@ -76,11 +76,6 @@ impl Session {
     /// Units of progress that [`Session::run`] will report for that many points.
     pub fn work(&self, points: usize) -> u64 {
         points as u64 * u64::from(self.plan.samples())
-    }
-
-    /// True where results refine over several passes.
-    pub fn is_progressive(&self) -> bool {
-        self.plan.method == Method::Rays && self.plan.rays > 4
     }
 }
 

@@ -32,13 +32,14 @@ impl Paper<'_> {
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
         let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
         for ((cone, axis, result), cone_index) in march_all(plan, self.octree, point).zip(0u32..) {
-            let per_frame = ray_count(cone_share(result.error, plan), plan.max_rays);
+            let share = cone_share(result.error, plan);
+            let per_frame = ray_count(share, plan.max_rays);
             let mut tally = Tally::default();
             let cone_seed = hash_u32(seed.wrapping_add(cone_index));
             for index in self.frames.start * per_frame..self.frames.end * per_frame {
                 point_rays.trace(cone.sample(owen_sobol_2d(index, cone_seed)), &mut tally);
             }
-            let alpha = if per_frame > 0 { cone_share(result.error, plan) } else { 1.0 };
+            let alpha = if per_frame > 0 { share } else { 1.0 };
             visibility += cone.weight * (alpha * result.visibility + (1.0 - alpha) * tally.mean());
             trusted_error += cone.weight * alpha * result.error;
             if per_frame > 0 {
