@@ -32,14 +32,15 @@ mod events;
 mod passes;
 mod session;
 
+pub use conray_bvh::Hit;
 pub use conray_core::{
     Affine2, Affine3A, AlphaTexture, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry,
     GeometryError, Instance, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity, TriangleMesh,
     Vec2, Vec3, View, Wrap,
 };
 pub use conray_estimate::{
-    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, Control, CpuBackend, Distance,
-    Method, SettingsError, limits,
+    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, Control, CpuBackend,
+    Distance, Method, SettingsError, limits, merge, view_cones,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

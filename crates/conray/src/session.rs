@@ -3,10 +3,10 @@
 use crate::{Error, Event, Observer, Stage};
 use conray_bvh::Bvh;
 use conray_core::{Bounds, Estimate, Geometry, SurfacePoint, Vec2, Vec3, View};
-use conray_estimate::{Alpha, AoPlan, AoSettings, Control, CpuBackend, SettingsError};
+use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, Control, CpuBackend, SettingsError};
 use conray_target::{Camera, CameraTarget};
 use conray_voxel::{Octree, OctreeOptions};
-use std::{sync::Arc, time::Instant};
+use std::{ops::Range, sync::Arc, time::Instant};
 
 /// How a session works; nothing here changes a result.
 #[derive(Clone, Debug, Default)]
@@ -152,6 +152,43 @@ impl Session {
     /// None in a session as built; the type leaves room for devices that fail.
     pub fn estimate(&self, points: &[SurfacePoint]) -> Result<Vec<Estimate>, Error> {
         Ok(self.run(points, Control::none())?.estimates)
+    }
+
+    /// What other settings come to for this scene, to be carried out by [`Session::estimate_plan`].
+    ///
+    /// # Errors
+    /// A setting outside its range.
+    pub fn plan_for(&self, settings: &AoSettings) -> Result<AoPlan, Error> {
+        Ok(AoPlan::new(settings, self.bounds)?)
+    }
+
+    /// Carries out a part of another plan with the structures already built, in one pass over the points.
+    ///
+    /// `samples` says which part of each point's sequence: ray indices for method `rays`, frames for the others.
+    /// Estimates of disjoint parts are put together by [`conray_estimate::merge`].
+    ///
+    /// # Errors
+    /// A method that needs an octree in a session built without.
+    pub fn estimate_plan(
+        &self,
+        plan: &AoPlan,
+        samples: Range<u32>,
+        points: &[SurfacePoint],
+        control: Control<'_>,
+    ) -> Result<Vec<Estimate>, Error> {
+        let mut estimates = vec![Estimate::PENDING; points.len()];
+        self.install(|| self.backend.estimate(plan, samples, points, &mut estimates, control))?;
+        Ok(estimates)
+    }
+
+    /// Runs work on the session's threads: rayon's parallel iterators inside it use them.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+
+    /// How many threads the session works on.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
     }
 
     /// The other settings of this session with the structures already built.

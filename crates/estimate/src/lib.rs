@@ -8,6 +8,7 @@
 //! [`Method`] with a BVH and, where the method marches cones, an octree.
 
 mod backend;
+mod cone_view;
 mod cpu;
 mod distance;
 mod methods;
@@ -15,6 +16,7 @@ mod plan;
 mod settings;
 
 pub use backend::{Backend, BackendError, Control, merge};
+pub use cone_view::{ConeView, view_cones};
 pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use plan::AoPlan;

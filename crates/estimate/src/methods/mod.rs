@@ -7,6 +7,6 @@ mod rays;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use cones::Cones;
-pub(crate) use paper::Paper;
+pub(crate) use cones::{Cones, march_all};
+pub(crate) use paper::{Paper, cone_share, ray_count};
 pub(crate) use rays::Rays;

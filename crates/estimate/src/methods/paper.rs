@@ -59,11 +59,11 @@ impl Paper<'_> {
 }
 
 /// Equation 1: the cone's share in the blend, 1 up to the threshold.
-pub(super) fn cone_share(error: f32, plan: &AoPlan) -> f32 {
+pub(crate) fn cone_share(error: f32, plan: &AoPlan) -> f32 {
     (-plan.beta * (error - plan.gamma)).exp().clamp(0.0, 1.0)
 }
 
 /// Equation 2, rounded to the nearest whole.
-pub(super) fn ray_count(alpha: f32, max_rays: u32) -> u32 {
+pub(crate) fn ray_count(alpha: f32, max_rays: u32) -> u32 {
     ((1.0 - alpha) * max_rays as f32).round() as u32
 }
