@@ -4,7 +4,7 @@
 //! occluder closes is an area of that disc.
 
 use conray::{
-    Affine3A, AoSettings, Distance, Falloff, Geometry, Material, Method, Moments, Opacity, Session,
+    Affine3A, AoSettings, Distance, Falloff, Geometry, Material, Method, Moments, Opacity, Sampling, Session,
     SurfacePoint, TriangleMesh, Vec3,
 };
 use std::f64::consts::PI;
@@ -125,26 +125,56 @@ fn measure(case: &Case, placement: &Affine3A, settings: &AoSettings, points: u32
     session.estimate(&points).unwrap().iter().map(|e| f64::from(e.visibility)).collect()
 }
 
+/// Every sampling, with how many points tell a truth from one 3 % off: independent rays spread more than others.
+const SAMPLINGS: [(Sampling, u32); 3] =
+    [(Sampling::Sobol, 400), (Sampling::Stratified, 2000), (Sampling::Random, 8000)];
+
+fn rays_by(sampling: Sampling) -> AoSettings {
+    AoSettings { method: Method::Rays, rays: 61, sampling, ..AoSettings::default() }
+}
+
 #[test]
 fn rays_agree_within_four_standard_errors() {
-    let settings = AoSettings { method: Method::Rays, rays: 61, ..AoSettings::default() };
-    for case in cases() {
-        for placement in placements() {
-            let m = measure(&case, &placement, &settings, 400);
-            // Where all rays agree the standard error is 0; single precision leaves 1e-6.
-            let allowed = 4.0 * m.standard_error() + 1e-6;
-            assert!((m.mean - case.truth).abs() < allowed, "{}: {m:?}, truth {}", case.name, case.truth);
+    for (sampling, points) in SAMPLINGS {
+        for case in cases() {
+            for placement in placements() {
+                let m = measure(&case, &placement, &rays_by(sampling), points);
+                // Where all rays agree the standard error is 0; single precision leaves 1e-6.
+                let allowed = 4.0 * m.standard_error() + 1e-6;
+                let (name, truth) = (case.name, case.truth);
+                assert!((m.mean - truth).abs() < allowed, "{sampling}, {name}: {m:?}, truth {truth}");
+            }
         }
     }
 }
 
 #[test]
 fn a_wrong_truth_is_caught() {
-    let settings = AoSettings { method: Method::Rays, rays: 61, ..AoSettings::default() };
-    for case in cases() {
-        let m = measure(&case, &Affine3A::IDENTITY, &settings, 400);
-        let wrong = case.truth * 0.97;
-        assert!((m.mean - wrong).abs() > 4.0 * m.standard_error() + 1e-6, "{} could not fail", case.name);
+    for (sampling, points) in SAMPLINGS {
+        for case in cases() {
+            let m = measure(&case, &Affine3A::IDENTITY, &rays_by(sampling), points);
+            let wrong = case.truth * 0.97;
+            let caught = (m.mean - wrong).abs() > 4.0 * m.standard_error() + 1e-6;
+            assert!(caught, "{sampling}, {} could not fail", case.name);
+        }
+    }
+}
+
+#[test]
+fn samplings_are_as_noisy_as_theory_says() {
+    let variance = |case: &Case, sampling| {
+        let settings = AoSettings { rays: 64, ..rays_by(sampling) };
+        measure(case, &Affine3A::IDENTITY, &settings, 4000).sample_variance()
+    };
+    // Where a ray is open or closed, independent rays are binomial: p (1 - p) / n. The variance of 4000 variances of
+    // nearly normal numbers is 2 / 4000 of its square: 4 standard errors are 9 %.
+    for case in cases().iter().filter(|c| c.falloff == Falloff::None && c.opacity == 1.0 && c.truth < 1.0) {
+        let binomial = case.truth * (1.0 - case.truth) / 64.0;
+        let random = variance(case, Sampling::Random);
+        assert!((random / binomial - 1.0).abs() < 0.09, "{}: {random}, binomial {binomial}", case.name);
+        let stratified = variance(case, Sampling::Stratified);
+        let sobol = variance(case, Sampling::Sobol);
+        assert!(stratified < 0.7 * random && sobol < 0.7 * random, "{}: {stratified} {sobol}", case.name);
     }
 }
 

@@ -20,4 +20,4 @@ pub use cone_view::{ConeView, view_cones};
 pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use plan::AoPlan;
-pub use settings::{Alpha, AoSettings, Method, SettingsError, limits};
+pub use settings::{Alpha, AoSettings, Method, Sampling, SettingsError, limits};

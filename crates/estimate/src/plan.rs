@@ -1,6 +1,6 @@
 //! Settings made definite for one scene.
 
-use crate::{AoSettings, Distance, Method, SettingsError};
+use crate::{AoSettings, Distance, Method, Sampling, SettingsError};
 use conray_core::{Bounds, ConeSet, Falloff, HemisphereCones};
 
 /// Validated settings in world units, made once per scene; code past it does not check again.
@@ -14,6 +14,8 @@ pub struct AoPlan {
     pub falloff: Falloff,
     /// Rays per point of method `rays`.
     pub rays: u32,
+    /// How method `rays` chooses directions.
+    pub sampling: Sampling,
     /// The cones that stand for the hemisphere.
     pub cones: HemisphereCones,
     /// The paper's transition parameter.
@@ -43,6 +45,7 @@ impl AoPlan {
             distance,
             falloff: settings.falloff,
             rays: settings.rays,
+            sampling: settings.sampling,
             cones: HemisphereCones::new(ConeSet::from_count(settings.cones).expect("validated")),
             beta: settings.beta,
             gamma: settings.gamma,

@@ -59,6 +59,46 @@ impl FromStr for Method {
     }
 }
 
+/// Which points of the unit square become the directions of the rays of method `rays`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sampling {
+    /// Owen-scrambled Sobol points: the least error per ray, and any number of rays is a good set.
+    #[default]
+    Sobol,
+    /// Jittered points: one at a random place in each cell of a grid with as many cells as rays. Needs the number
+    /// of rays beforehand.
+    Stratified,
+    /// Independent points: the most error per ray. What others compare with.
+    Random,
+}
+
+impl Sampling {
+    /// Every sampling.
+    pub const ALL: [Self; 3] = [Self::Sobol, Self::Stratified, Self::Random];
+}
+
+impl fmt::Display for Sampling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Sobol => "sobol",
+            Self::Stratified => "stratified",
+            Self::Random => "random",
+        })
+    }
+}
+
+impl FromStr for Sampling {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|sampling| sampling.to_string() == text)
+            .ok_or_else(|| "expected sobol, stratified or random".into())
+    }
+}
+
 /// What the opacity of materials means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -98,6 +138,8 @@ pub struct AoSettings {
     pub falloff: Falloff,
     /// Rays per point of method `rays`, in [`limits::RAYS`]; powers of two give the least error per ray.
     pub rays: u32,
+    /// Method `rays`: how directions are chosen. Other methods keep to Sobol points.
+    pub sampling: Sampling,
     /// Octree leaves along the longest side of the scene: a power of two in [`limits::VOXELS`].
     pub voxels: u32,
     /// Cones per point: 6, 9, 16 or 25.
@@ -123,6 +165,7 @@ impl Default for AoSettings {
             distance: Distance::Auto,
             falloff: Falloff::None,
             rays: 64,
+            sampling: Sampling::default(),
             voxels: 512,
             cones: 16,
             // With gamma given, beta and N_max are those of least squared error times cost on the built-in `cornell`
@@ -232,5 +275,15 @@ mod tests {
             assert_eq!(method.to_string().parse(), Ok(method));
         }
         assert!("cone".parse::<Method>().is_err());
+    }
+
+    #[test]
+    fn names_of_samplings_are_read_back_and_are_those_of_files() {
+        for sampling in Sampling::ALL {
+            let name = sampling.to_string();
+            assert_eq!(name.parse(), Ok(sampling));
+            assert_eq!(serde_json::to_value(sampling).unwrap(), serde_json::Value::String(name));
+        }
+        assert!("halton".parse::<Sampling>().is_err());
     }
 }
