@@ -1,6 +1,6 @@
 //! The seam at which methods join the study.
 
-use crate::{Case, StudyError};
+use crate::{Case, Pilot, StudyError};
 use conray::{AoSettings, Control};
 use serde_json::{Map, Value};
 
@@ -75,6 +75,8 @@ pub struct Preparation<'a> {
     pub case: &'a Case,
     /// The true visibility of every point of the case.
     pub truth: &'a [f32],
+    /// A sample of points whose cones have been looked at one by one.
+    pub pilot: &'a Pilot,
     /// The budgets of the study, in rays per point.
     pub budgets: &'a [u32],
     /// Settings of the study: distance, voxels, cones, the paper's constants, seed.

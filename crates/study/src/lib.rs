@@ -12,13 +12,37 @@
 //!   with one seed agree in all else.
 //! - [`write_report`] turns a report and its pictures into files; the page is a view of the report and knows nothing more.
 
+mod assemble;
+mod atrous;
 mod case;
 mod contender;
+mod contenders;
 mod error;
+mod fingerprint;
+mod kept;
+mod machine;
+mod meter;
+mod options;
+mod pilot;
 pub mod picture;
+pub mod quality;
 pub mod report;
+mod search;
+mod study;
+mod summary;
+#[cfg(test)]
+mod testing;
+mod trials;
+pub mod truth;
 
 pub use case::Case;
 pub use contender::{Answer, Contender, Effort, Needs, Preparation};
 pub use error::StudyError;
+pub use fingerprint::{Feed, Fingerprint};
+pub use kept::Kept;
+pub use options::{StudyOptions, StudyScene};
+pub use pilot::{Pilot, PilotCone, PilotPoint};
 pub use report::Report;
+pub use study::{Observer, Pictures, Progress, run};
+pub use summary::summary;
+pub use truth::{Truth, TruthOptions};

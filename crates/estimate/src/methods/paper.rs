@@ -60,6 +60,10 @@ impl Paper<'_> {
 
 /// Equation 1: the cone's share in the blend, 1 up to the threshold.
 pub(crate) fn cone_share(error: f32, plan: &AoPlan) -> f32 {
+    if error == f32::INFINITY {
+        // An unusable cone is left to rays, whatever beta says.
+        return 0.0;
+    }
     (-plan.beta * (error - plan.gamma)).exp().clamp(0.0, 1.0)
 }
 

@@ -1,0 +1,81 @@
+//! Figures beyond the paper.
+
+use super::{Album, captions, gallery, plot};
+use crate::report::{Figure, PlotKind};
+
+pub(super) fn figures(album: &mut Album<'_>) -> Vec<Figure> {
+    let report = album.report;
+    let mut figures = vec![
+        plot(
+            "by-time",
+            "Error by time",
+            PlotKind::RmseByTime,
+            "RMSE against the time of the estimation alone, builds left out. A filter's time counts with its rays'.".into(),
+            captions::by_time(report),
+        ),
+        plot(
+            "by-time-built",
+            "Error by time, builds counted",
+            PlotKind::RmseByTimeWithBuilds,
+            "The same with the BVH and the octree that each method needs, as for a single picture of a new scene.".into(),
+            captions::builds(report),
+        ),
+        plot(
+            "by-rays",
+            "Error by rays",
+            PlotKind::RmseByRays,
+            "RMSE against rays per point: what a method makes of its rays, whatever the rest of it costs. Cones trace none and are left out.".into(),
+            String::new(),
+        ),
+        plot(
+            "flip",
+            "Seen error by time",
+            PlotKind::FlipByTime,
+            "Mean FLIP, which weighs errors as eyes do: blotches and fireflies stand out where RMSE hides them.".into(),
+            String::new(),
+        ),
+        plot("bias", "Bias by time", PlotKind::BiasByTime, captions::bias(report), String::new()),
+        plot(
+            "cone-calibration",
+            "Does epsilon tell the error of a cone?",
+            PlotKind::ConeCalibration,
+            captions::cone_calibration(report),
+            String::new(),
+        ),
+        plot(
+            "estimate-calibration",
+            "Do methods know their error?",
+            PlotKind::EstimateCalibration,
+            captions::estimate_calibration(report),
+            String::new(),
+        ),
+    ];
+    figures.extend(error_maps(album));
+    figures
+}
+
+/// Expected and true error of blend and rays side by side.
+fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
+    let evidence = album.evidence;
+    let rays = evidence.trials_of("rays").nth(evidence.trials_of("rays").count() / 2)?;
+    let blend = evidence.trial("paper", 1);
+    let mut panels = Vec::new();
+    for (stem, trial) in [("rays", Some(rays)), ("paper", blend)] {
+        let Some(trial) = trial else { continue };
+        let Some(expected) = &trial.answer.expected_error else { continue };
+        let most = 0.1;
+        let actual: Vec<f32> = trial
+            .answer
+            .visibility
+            .iter()
+            .zip(&evidence.truth.visibility)
+            .map(|(v, t)| (v - t).abs())
+            .collect();
+        let label = format!("{stem}, {}", trial.effort.label);
+        panels.push(album.heat(&format!("{stem}-expected"), format!("{label}: expected error"), expected, most));
+        panels.push(album.heat(&format!("{stem}-actual"), format!("{label}: true error"), &actual, most));
+    }
+    let caption = "Expected and true absolute error, from 0 (dark) to 0.1 (bright). The expected error is a standard deviation, \
+                   so the true one scatters about it; where it stays dark and the truth is bright, the method does not know that it is wrong.";
+    Some(gallery("error-maps", "Error maps", panels, caption.into()))
+}

@@ -1,0 +1,58 @@
+//! The published blend with its settings as given, frame by frame; and the product's hybrid.
+
+use crate::{Answer, Case, Contender, Effort, Needs, StudyError};
+use conray::{AoSettings, Control, Method};
+
+/// `paper` or `hybrid`: the product's method of that name, as many frames as a budget allows.
+pub(crate) struct Frames {
+    method: Method,
+}
+
+impl Frames {
+    /// The blend as published, with beta, gamma and N_max of the study's settings.
+    pub(crate) fn paper() -> Self {
+        Self { method: Method::Paper }
+    }
+
+    /// conray's own combination.
+    pub(crate) fn hybrid() -> Self {
+        Self { method: Method::Hybrid }
+    }
+}
+
+impl Contender for Frames {
+    fn name(&self) -> &'static str {
+        if self.method == Method::Paper { "paper" } else { "hybrid" }
+    }
+
+    fn about(&self) -> String {
+        if self.method == Method::Paper {
+            "The published blend: cones where epsilon is small, rays inside the cone where it is not. Cones are marched \
+             once, each frame adds rays. Podee, Dobashi, Yamamoto, Combining Cone and Ray Tracing for Ambient \
+             Occlusion Computation."
+                .into()
+        } else {
+            "conray's own combination; for now the same as paper.".into()
+        }
+    }
+
+    fn needs(&self) -> Needs {
+        Needs { bvh: true, octree: true }
+    }
+
+    /// Frames 1, 2, 4 and so on, one for each budget of four rays and more.
+    fn efforts(&self, budgets: &[u32]) -> Vec<Effort> {
+        let most = budgets.last().map_or(1, |&b| (b / 4).max(1));
+        std::iter::successors(Some(1), |f| Some(2 * f))
+            .take_while(|&frames| frames <= most)
+            .map(|frames| Effort {
+                value: frames,
+                label: if frames == 1 { "1 frame".into() } else { format!("{frames} frames") },
+            })
+            .collect()
+    }
+
+    fn run(&self, case: &Case, effort: u32, control: Control<'_>) -> Result<Answer, StudyError> {
+        case.answer(&AoSettings { method: self.method, ..case.settings.clone() }, 0..effort, control)
+    }
+}
