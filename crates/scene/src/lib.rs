@@ -6,6 +6,7 @@
 mod builtin;
 mod files;
 mod inspect;
+mod known;
 mod model;
 
 pub use builtin::{BUILTIN_NAMES, builtin};

@@ -10,7 +10,7 @@ pub struct Scene {
     pub name: String,
     /// All that occludes, in world units.
     pub geometry: Geometry,
-    /// Named views: cameras of the file or of the built-in scene, in order; may be empty.
+    /// Named views: cameras of the file or of the built-in scene, in order, then those known for the file; may be empty.
     pub views: Vec<View>,
     /// What was mended or ignored; never what made the scene unusable.
     pub warnings: Vec<Warning>,

@@ -25,14 +25,14 @@ pub(crate) use normals::face_normal;
 pub use source::Resolver;
 pub(crate) use weld::key as position_key;
 
-use crate::Scene;
+use crate::{Scene, known::add_known_views};
 use intake::Intake;
 use source::{Folder, read_file};
 use std::path::Path;
 
 /// Loads a scene file and the files that it names.
 ///
-/// The format goes by the name's ending, else by the content. Files named in the scene are looked for beside it:
+/// The format goes by the name's ending, else by the content. Some well-known files get named views. Files named in the scene are looked for beside it:
 /// see [`load_bytes`] for scenes that are not on a disc.
 ///
 /// # Errors
@@ -87,5 +87,6 @@ fn load_named(
     for warning in scene.inspect() {
         scene.warn(warning.kind, warning.count, warning.example);
     }
+    add_known_views(&mut scene);
     Ok(scene)
 }

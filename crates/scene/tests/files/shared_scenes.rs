@@ -78,6 +78,31 @@ fn counts_bounds_masks_and_defects_are_those_of_the_table() {
     }
 }
 
+/// How many views each known file gets, and the first; the banner is part of another scene.
+const VIEWS: [(&str, usize, &str); 12] = [
+    ("crytek-sponza/sponza.obj", 4, "atrium"),
+    ("crytek-sponza/banner.obj", 0, "whole"),
+    ("conference/conference.obj", 3, "chairs"),
+    ("cornell-box/CornellBox-Original.obj", 1, "usual"),
+    ("cornell-box/CornellBox-Sphere.obj", 1, "usual"),
+    ("stanford-bunny/bunny.obj", 1, "usual"),
+    ("stanford-bunny/bun_zipper.ply", 1, "usual"),
+    ("scrub-pine/scrubPine.obj", 1, "usual"),
+    ("banana-tree/BananaTree.gltf", 1, "usual"),
+    ("damaged-helmet/DamagedHelmet.glb", 1, "usual"),
+    ("flight-helmet/FlightHelmet.gltf", 1, "usual"),
+    ("boom-box/BoomBox.gltf", 1, "usual"),
+];
+
+#[test]
+#[ignore = "needs the scenes in ../shared/scenes"]
+fn known_files_get_their_views() {
+    for (file, count, first) in VIEWS {
+        let Some(scene) = shared(file) else { continue };
+        assert_eq!((scene.views.len(), &*scene.default_view().name), (count, first), "{file}");
+    }
+}
+
 /// Masked materials of Sponza: triangles, and the mean of the mask over their area.
 ///
 /// The means are those of 400 000 random points and their nearest texels, found by a separate program in NumPy. (The
