@@ -1,7 +1,7 @@
 //! What the measuring programs share: scenes with views, truths kept on disk, runs judged against them.
 
 use conray::{
-    AoSettings, Control, Error, Method, Outcome, Session, SessionOptions, SurfacePoint, Vec3, View,
+    AoSettings, Control, Error, Method, Outcome, Session, SessionOptions, SurfacePoint, View,
     scene::{self, Scene},
     target::{self, CameraTarget, Metrics, Target},
 };
@@ -21,7 +21,7 @@ pub struct Judged {
     pub view: View,
 }
 
-/// A built-in scene, or a file with the camera that the scenes' README gives it.
+/// A built-in scene or a file, from its default view.
 ///
 /// # Errors
 /// What the loader says.
@@ -31,21 +31,8 @@ pub fn judged(name: &str) -> Result<Judged, Error> {
         return Ok(Judged { name: name.into(), scene, view });
     }
     let scene = scene::load(name.as_ref(), &scene::Limits::default())?;
-    let view = known_view(&scene.name).unwrap_or_else(|| scene.default_view());
+    let view = scene.default_view();
     Ok(Judged { name: scene.name.clone(), scene, view })
-}
-
-/// First cameras of well-known scene files.
-fn known_view(name: &str) -> Option<View> {
-    let (eye, look_at, vertical_fov_deg) = match name {
-        "sponza" => ([950.0, 170.0, -40.0], [-1000.0, 430.0, -40.0], 65.0),
-        "conference" => ([300.0, 300.0, 480.0], [560.0, 110.0, -200.0], 65.0),
-        "CornellBox-Original" => ([0.0, 1.0, 3.9], [0.0, 1.0, 0.0], 38.0),
-        "CornellBox-Sphere" => ([0.0, 0.8, 3.9], [0.0, 0.8, 0.0], 38.0),
-        _ => return None,
-    };
-    let (eye, look_at) = (Vec3::from_array(eye), Vec3::from_array(look_at));
-    Some(View { name: "first".into(), eye, look_at, up: Vec3::Y, vertical_fov_deg })
 }
 
 /// A session with its camera image and the truth for it.
