@@ -12,28 +12,39 @@
 //!   with one seed agree in all else.
 //! - [`write_report`] turns a report and its pictures into files; the page is a view of the report and knows nothing more.
 
+// The fixture names the crate as its users do, so that an example can share it.
+#[cfg(test)]
+extern crate self as conray_study;
+
 mod assemble;
 mod atrous;
 mod case;
 mod contender;
 mod contenders;
+mod csv;
 mod error;
 mod fingerprint;
+#[cfg(test)]
+mod fixture;
 mod kept;
 mod machine;
 mod meter;
 mod options;
+mod page;
 mod pilot;
 pub mod picture;
+mod plots;
 pub mod quality;
 pub mod report;
 mod search;
 mod study;
 mod summary;
+mod svg;
 #[cfg(test)]
 mod testing;
 mod trials;
 pub mod truth;
+mod write;
 
 pub use case::Case;
 pub use contender::{Answer, Contender, Effort, Needs, Preparation};
@@ -46,3 +57,4 @@ pub use report::Report;
 pub use study::{Observer, Pictures, Progress, run};
 pub use summary::summary;
 pub use truth::{Truth, TruthOptions};
+pub use write::{check_folder, schema, write_report};
