@@ -2,7 +2,7 @@
 
 use crate::{Answer, StudyError};
 use conray::{
-    AoSettings, Control, Session, SurfacePoint, View,
+    AoSettings, Control, Session, SurfacePoint, Vec3, View,
     target::{CameraTarget, Target},
 };
 use std::{ops::Range, sync::Arc};
@@ -16,6 +16,8 @@ pub struct Case {
     pub scene: String,
     /// The view.
     pub view: View,
+    /// Places of interest: names and world positions that the scene's other views look at.
+    pub places: Vec<(String, Vec3)>,
     /// What was built for the scene, with BVH and octree; views of one scene share it.
     pub session: Arc<Session>,
     /// The surface points behind the pixels.

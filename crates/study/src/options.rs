@@ -69,7 +69,7 @@ impl StudyOptions {
     /// A first look within about a minute on two cores.
     pub fn quick(work_folder: PathBuf) -> Self {
         Self {
-            size: (160, 160),
+            size: (128, 128),
             budgets: (0..=6).map(|k| 1 << k).collect(),
             repeat_seconds: 0.3,
             truth_error: 0.003,

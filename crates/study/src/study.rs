@@ -10,7 +10,7 @@ use crate::{
     trials::{self, Store, Trial},
     truth::{Truth, TruthOptions},
 };
-use conray::{AoSettings, Control, Method, Session, SessionOptions};
+use conray::{AoSettings, Control, Method, Session, SessionOptions, Vec3};
 use serde_json::{Map, Value};
 use std::{
     collections::BTreeMap,
@@ -72,12 +72,14 @@ pub fn run(
                 observer.warn(&message);
             }
         };
+        let looked_at: Vec<(String, Vec3)> = scene.views.iter().map(|v| (v.name.clone(), v.look_at)).collect();
         let session = Arc::new(Session::build_observed(scene.geometry, &built, &threads, &warn)?);
         for view in views {
             let target = session.camera(&view, options.size.0, options.size.1)?;
             let case = Case {
                 id: case_id(&name, &view.name, &reports),
                 scene: name.clone(),
+                places: looked_at.iter().filter(|(place, _)| *place != view.name).cloned().collect(),
                 view,
                 session: Arc::clone(&session),
                 target,
@@ -191,7 +193,9 @@ fn method_report(contender: &dyn Contender) -> MethodReport {
 }
 
 fn request(options: &StudyOptions) -> Request {
-    let settings = match serde_json::to_value(&options.settings) {
+    // By way of text, which has the shortest decimals of single-precision numbers.
+    let text = serde_json::to_string(&options.settings).unwrap_or_default();
+    let settings = match serde_json::from_str(&text) {
         Ok(Value::Object(mut members)) => {
             members.retain(|name, _| name != "method" && name != "rays" && name != "sampling");
             members

@@ -39,7 +39,27 @@ pub(super) fn find(evidence: &Evidence<'_>, pictures: &mut Pictures) -> Result<V
             failures.push(crop(evidence, trial, place, cause.text().into(), &stem, pictures));
         }
     }
+    for (name, pixel) in places(evidence) {
+        for method in ["cones", "paper"] {
+            let Some(trial) = judged_trial(evidence, method) else { continue };
+            let cause = format!("{name}: {}", cause_at(evidence, trial, pixel)?);
+            let stem = format!("{method}-place-{name}");
+            failures.push(crop(evidence, trial, pixel, cause, &stem, pictures));
+        }
+    }
     Ok(failures)
+}
+
+/// Pixels nearest to the case's places of interest, as far as the view shows them.
+fn places(evidence: &Evidence<'_>) -> Vec<(String, u32)> {
+    let case = evidence.case;
+    let near = 0.03 * case.session.bounds().diagonal();
+    let pixel = |place: conray::Vec3| {
+        let distance = |p: &&conray::SurfacePoint| p.position.distance(place);
+        let nearest = case.points().iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(&nearest) <= near).then_some(nearest.id)
+    };
+    case.places.iter().filter_map(|(name, place)| Some((name.clone(), pixel(*place)?))).collect()
 }
 
 /// The effort at which a method is shown: cones as set, the blend's first frame, else the middle of the curve.
@@ -70,7 +90,7 @@ fn worst_places(evidence: &Evidence<'_>, trial: &Trial) -> Vec<u32> {
         case.points().iter().map(|p| (around(&pixels, case.size(), p.id), p.id)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let apart = |a: u32, b: u32| {
-        (a % width).abs_diff(b % width) >= SIDE / 2 || (a / width).abs_diff(b / width) >= SIDE / 2
+        (a % width).abs_diff(b % width) >= SIDE || (a / width).abs_diff(b / width) >= SIDE
     };
     let first = ranked.first().map(|p| p.1);
     let second = ranked.iter().map(|p| p.1).find(|&id| first.is_some_and(|f| apart(f, id)));

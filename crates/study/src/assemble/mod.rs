@@ -132,6 +132,11 @@ fn trial_report(evidence: &Evidence<'_>, trial: &Trial, quality: Quality) -> Tri
     }
 }
 
+/// A single-precision number as the shortest decimal that stands for it.
+pub(crate) fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
 fn tuned(pilot: &Pilot, options: &StudyOptions) -> Vec<TunedReport> {
     let found = search::tune(pilot, &options.budgets);
     options
@@ -140,8 +145,8 @@ fn tuned(pilot: &Pilot, options: &StudyOptions) -> Vec<TunedReport> {
         .zip(found)
         .map(|(&budget, t)| TunedReport {
             budget,
-            beta: f64::from(t.constants.beta),
-            gamma: f64::from(t.constants.gamma),
+            beta: decimal(t.constants.beta),
+            gamma: decimal(t.constants.gamma),
             max_rays: t.constants.max_rays,
             expected_rays: t.rays,
             expected_rmse: t.rmse,

@@ -40,9 +40,9 @@ impl Contender for Frames {
         Needs { bvh: true, octree: true }
     }
 
-    /// Frames 1, 2, 4 and so on, one for each budget of four rays and more.
+    /// Frames 1, 2, 4 and so on, as many as a sixteenth of the largest budget: each frame traces some tens of rays.
     fn efforts(&self, budgets: &[u32]) -> Vec<Effort> {
-        let most = budgets.last().map_or(1, |&b| (b / 4).max(1));
+        let most = budgets.last().map_or(1, |&b| (b / 16).max(1));
         std::iter::successors(Some(1), |f| Some(2 * f))
             .take_while(|&frames| frames <= most)
             .map(|frames| Effort {

@@ -1,6 +1,6 @@
 //! The published blend with beta, gamma and N_max found for each scene and budget.
 
-use crate::{Answer, Case, Contender, Effort, Needs, Preparation, StudyError, search};
+use crate::{Answer, Case, Contender, Effort, Needs, Preparation, StudyError, assemble::decimal, search};
 use conray::{AoSettings, Control, Method};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -52,8 +52,8 @@ impl Contender for PaperTuned {
     fn chosen(&self, effort: u32) -> Map<String, Value> {
         let mut members = Map::new();
         if let Some(tuned) = self.found.get(&effort) {
-            members.insert("beta".into(), json!(tuned.constants.beta));
-            members.insert("gamma".into(), json!(tuned.constants.gamma));
+            members.insert("beta".into(), json!(decimal(tuned.constants.beta)));
+            members.insert("gamma".into(), json!(decimal(tuned.constants.gamma)));
             members.insert("max-rays".into(), json!(tuned.constants.max_rays));
         }
         members

@@ -63,7 +63,6 @@ fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
     for (stem, trial) in [("rays", Some(rays)), ("paper", blend)] {
         let Some(trial) = trial else { continue };
         let Some(expected) = &trial.answer.expected_error else { continue };
-        let most = 0.1;
         let actual: Vec<f32> = trial
             .answer
             .visibility
@@ -71,11 +70,20 @@ fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
             .zip(&evidence.truth.visibility)
             .map(|(v, t)| (v - t).abs())
             .collect();
-        let label = format!("{stem}, {}", trial.effort.label);
+        let most = scale(expected).max(scale(&actual));
+        let label = format!("{stem}, {}, 0 to {most:.2}", trial.effort.label);
         panels.push(album.heat(&format!("{stem}-expected"), format!("{label}: expected error"), expected, most));
         panels.push(album.heat(&format!("{stem}-actual"), format!("{label}: true error"), &actual, most));
     }
-    let caption = "Expected and true absolute error, from 0 (dark) to 0.1 (bright). The expected error is a standard deviation, \
+    let caption = "Expected and true absolute error, dark is none. The expected error is a standard deviation, \
                    so the true one scatters about it; where it stays dark and the truth is bright, the method does not know that it is wrong.";
     Some(gallery("error-maps", "Error maps", panels, caption.into()))
+}
+
+/// The 95th percentile, rounded up to a hundredth: what is brighter is white.
+fn scale(values: &[f32]) -> f32 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    let high = sorted.get(sorted.len() * 95 / 100).copied().unwrap_or(0.0);
+    ((100.0 * high).ceil() / 100.0).clamp(0.01, 1.0)
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     assemble::{ray_to_cone, table},
-    report::{CaseReport, ConeClass, TrialReport},
+    report::{CaseReport, ConeClass, EstimateCalibration, TrialReport},
 };
 
 pub(super) fn first() -> String {
@@ -50,11 +50,27 @@ pub(super) fn fifth(report: &CaseReport) -> String {
     let blend: Vec<&TrialReport> = report.trials.iter().filter(|t| t.method == "paper").collect();
     let (Some(first), Some(last)) = (blend.first(), blend.last()) else { return String::new() };
     let (a, b) = (first.quality.rmse, last.quality.rmse);
-    format!(
-        "A frame of rays is as many as the blend traces in its first. The blend falls from {a:.4} to {b:.4} in {} frames and then stays: \
-         its bias does not average out. Rays go on falling, as the paper found; unlike its plain random rays ours fall faster than one over the root of their number.",
+    let mut text = format!(
+        "A frame of rays is as many as the blend traces in its first. The blend goes from {a:.4} to {b:.4} in {} frames: its bias does not \
+         average out. ",
         last.effort
-    )
+    );
+    let slopes: Vec<String> = [("rays", "Sobol"), ("rays-stratified", "stratified"), ("rays-random", "plain random")]
+        .into_iter()
+        .filter_map(|(method, name)| Some(format!("{name} rays with the power {:.2} of their number", slope(report, method)?)))
+        .collect();
+    if !slopes.is_empty() {
+        text += &format!("As the paper found, rays go on falling: {}.", slopes.join(", "));
+    }
+    text
+}
+
+/// By which power of its rays a method's RMSE falls, over the upper half of its curve.
+fn slope(report: &CaseReport, method: &str) -> Option<f64> {
+    let trials: Vec<&TrialReport> = report.trials.iter().filter(|t| t.method == method).collect();
+    let (a, b) = (trials.get(trials.len() / 2)?, trials.last()?);
+    let slope = (b.quality.rmse / a.quality.rmse).ln() / (b.rays / a.rays).ln();
+    slope.is_finite().then_some(slope)
 }
 
 pub(super) fn sixth(alpha: f64, rays: f64, most: f32) -> String {
@@ -113,9 +129,13 @@ pub(super) fn cone_calibration(report: &CaseReport) -> String {
 }
 
 pub(super) fn estimate_calibration(report: &CaseReport) -> String {
+    let last = |c: &&EstimateCalibration| {
+        !report.calibration.iter().any(|other| other.method == c.method && other.effort > c.effort)
+    };
     let ratios: Vec<String> = report
         .calibration
         .iter()
+        .filter(last)
         .map(|c| format!("{} with {}: {:.2}", c.method, c.label, c.ratio))
         .collect();
     format!(
