@@ -42,7 +42,8 @@ impl Kept {
     pub fn read(path: &Path, kind: &str, fingerprint: Fingerprint) -> Result<Option<Self>, StudyError> {
         match fs::read(path) {
             Ok(bytes) => decode(&bytes, kind, fingerprint).map(Some).map_err(|what| damaged(path, &what)),
-            Err(e) if e.kind() == ErrorKind::NotFound => Ok(None),
+            // Nor is there one where a folder of the path is a file; writing there will say so.
+            Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
             Err(e) => Err(damaged(path, &format!("it cannot be read: {e}"))),
         }
     }

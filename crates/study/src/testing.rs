@@ -16,5 +16,13 @@ pub(crate) fn case_of(geometry: Geometry, view: View, size: u32, settings: AoSet
     let built = AoSettings { method: Method::Paper, ..settings.clone() };
     let session = Arc::new(Session::build(geometry, &built).unwrap());
     let target = session.camera(&view, size, size).unwrap();
-    Case { id: format!("test-{}", view.name), scene: "test".into(), view, places: Vec::new(), session, target, settings }
+    Case {
+        id: format!("test-{}", view.name),
+        scene: "test".into(),
+        view,
+        places: Vec::new(),
+        session,
+        target,
+        settings,
+    }
 }

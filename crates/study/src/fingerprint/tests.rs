@@ -15,9 +15,11 @@ fn the_hash_is_the_published_one() {
     assert_eq!(Fingerprint::of(|_| {}).to_string(), "99aa06d3014798d86001c324468d497f");
 }
 
+type Describe = fn(&mut Feed);
+
 #[test]
 fn values_do_not_run_together() {
-    let feeds: [(&str, fn(&mut Feed)); 12] = [
+    let feeds: [(&str, Describe); 12] = [
         ("nothing", |_| {}),
         ("0 u32", |f| f.u32(0)),
         ("0 u64", |f| f.u64(0)),

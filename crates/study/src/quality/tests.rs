@@ -137,12 +137,15 @@ fn chequer(x: i32, y: i32) -> i32 {
     if (x / 8 + y / 8) % 2 == 0 { 40 + 3 * x } else { 200 - 2 * y }
 }
 
+/// Shade of a column and row.
+type ShadeAt = fn(i32, i32) -> i32;
+
 /// Pictures beside the chequer and the mean FLIP that the authors' Python package gives for each pair.
 ///
 /// Found with flip-evaluator 1.7 and NumPy, `x` and `y` from `np.mgrid`, each picture as single precision over 255 in three
 /// equal channels: `flip_evaluator.evaluate(chequer, other, "LDR", inputsRGB=True, applyMagma=False,
 /// computeMeanError=True)[1]`.
-const BY_THE_AUTHORS: [(&str, fn(i32, i32) -> i32, f64); 3] = [
+const BY_THE_AUTHORS: [(&str, ShadeAt, f64); 3] = [
     ("noise", |x, y| chequer(x, y) + (7 * x + 13 * y) % 41 - 20, 0.047_570_15),
     ("hole", hole, 0.040_398_10),
     ("shift", |x, y| chequer(x, y) + 26, 0.346_570_67),

@@ -55,8 +55,9 @@ pub struct Quality {
     pub relative_bias: f64,
     /// 95th percentile of the absolute error.
     pub p95: f64,
-    /// Mean FLIP over the image: 0 is equal, 1 the largest difference. Andersson, Nilsson, Akenine-Moller, Oskarsson,
-    /// Astrom, Fairchild, "FLIP: A Difference Evaluator for Alternating Images", 2020; visibility shown as stored, 67 pixels a degree.
+    /// Mean FLIP over the pixels that see a surface: 0 is equal, 1 the largest difference. Andersson, Nilsson,
+    /// Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator for Alternating Images", 2020; visibility
+    /// shown as stored, 67 pixels a degree.
     pub flip: f64,
 }
 

@@ -98,6 +98,9 @@ fn the_error_of_known_halves_is_known() {
     assert_eq!(state.answer(1.0, 64, 64), None, "too few rays");
 }
 
+/// Damage whose checksum fits.
+type Change = fn(&mut Kept);
+
 #[test]
 fn numbers_that_do_not_belong_together_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,7 +108,7 @@ fn numbers_that_do_not_belong_together_are_refused() {
     let mut state = State::new(2);
     advance(&mut state, 2, 16, 4);
     assert_eq!(state.rungs.len(), 2);
-    let changes: [(&str, fn(&mut Kept)); 8] = [
+    let changes: [(&str, Change); 8] = [
         ("nothing", |_| {}),
         ("no mean", |kept| drop(kept.arrays.remove("half-a"))),
         ("a short mean", |kept| kept.arrays.get_mut("half-b-rest").unwrap().truncate(1)),
