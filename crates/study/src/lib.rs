@@ -29,6 +29,7 @@ mod fixture;
 mod kept;
 mod machine;
 mod meter;
+mod oidn;
 mod options;
 mod page;
 mod pilot;

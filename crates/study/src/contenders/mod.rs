@@ -1,6 +1,7 @@
 //! The contenders, one file each.
 
 mod cones;
+mod denoised;
 mod filtered;
 mod paper;
 mod paper_tuned;
@@ -18,6 +19,7 @@ pub(crate) fn all() -> Vec<Box<dyn Contender>> {
         Box::new(rays::Rays::new(Sampling::Stratified)),
         Box::new(rays::Rays::new(Sampling::Random)),
         Box::new(filtered::Filtered::default()),
+        Box::new(denoised::Denoised::default()),
         Box::new(cones::Cones),
         Box::new(paper::Frames::paper()),
         Box::new(paper_tuned::PaperTuned::default()),
