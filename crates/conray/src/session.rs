@@ -193,8 +193,8 @@ impl Session {
 
     /// The other settings of this session with the structures already built.
     ///
-    /// Only what the plan says may change: method (to one whose structures exist), distance, falloff, rays, sampling, cones,
-    /// beta, gamma, max-rays, seed.
+    /// Only what the plan says may change: method (to one whose structures exist), distance, falloff, rays, sampling,
+    /// cones, beta, gamma, max-rays, seed.
     ///
     /// # Errors
     /// A setting outside its range.

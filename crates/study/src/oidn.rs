@@ -48,7 +48,7 @@ impl Api {
     /// The library as found on first use, or in one sentence why there is none.
     pub(crate) fn get() -> Result<&'static Self, &'static str> {
         static FOUND: OnceLock<Result<Api, String>> = OnceLock::new();
-        FOUND.get_or_init(|| look_up::look_up()).as_ref().map_err(String::as_str)
+        FOUND.get_or_init(look_up::look_up).as_ref().map_err(String::as_str)
     }
 
     /// Opens one file. `Ok(None)` where there is no such library.
