@@ -54,7 +54,7 @@ const fn law(
 }
 
 /// The study.
-pub fn report() -> Report {
+pub(crate) fn report() -> Report {
     let methods = LAWS.iter().map(|law| MethodReport {
         name: law.name.into(),
         about: format!(
@@ -97,7 +97,7 @@ pub fn report() -> Report {
 }
 
 /// Every picture that the report shows, by file.
-pub fn pictures(report: &Report) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn pictures(report: &Report) -> BTreeMap<String, Vec<u8>> {
     let mut pictures = BTreeMap::new();
     for case in &report.cases {
         let of_figures = case.figures.iter().flat_map(|f| match &f.content {

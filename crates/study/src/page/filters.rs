@@ -11,6 +11,9 @@ pub(super) fn add(environment: &mut Environment<'_>) {
         with(value, |v| if v > 0.0 { format!("+{}", figures(v)) } else { figures(v) })
     });
     environment.add_filter("percent", |value: &Value| with(value, |v| figures(100.0 * v)));
+    environment.add_filter("count", |value: &Value| {
+        with(value, |v| if v.fract() == 0.0 { whole(v) } else { figures(v) })
+    });
     environment.add_filter("whole", |value: &Value| with(value, whole));
 }
 
@@ -56,5 +59,6 @@ mod tests {
         };
         assert_eq!(show("{{ a|num }} {{ b|num }} {{ c|percent }} {{ d|signed }}"), "−0.0123 – – +7.00");
         assert_eq!(show("{{ a|percent }} {{ d|whole }}"), "−1.23 7");
+        assert_eq!(show("{{ a|count }} {{ d|count }}"), "−0.0123 7");
     }
 }

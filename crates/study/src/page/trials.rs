@@ -1,6 +1,6 @@
 //! The table of all trials: which value is the best of its column, and how each does against rays.
 
-use crate::report::{CaseReport, EqualTimeTiming, TrialReport};
+use crate::report::{CaseReport, EqualTimeTiming, TrialReport, TrialTiming};
 use serde::Serialize;
 
 /// One trial as a row.
@@ -9,6 +9,8 @@ pub(super) struct Row<'a> {
     trial: &'a TrialReport,
     /// Against rays in the same time, where that is known.
     equal_time: EqualTimeTiming,
+    /// Fastest and slowest run beside the median, in per cent: `−3, +11`.
+    spread: String,
     /// First row of its method.
     first: bool,
     best: Best,
@@ -35,7 +37,7 @@ pub(super) fn rows(case: &CaseReport) -> Vec<Row<'_>> {
         let found = case.equal_time.iter().find(|e| e.method == trial.method && e.effort == trial.effort);
         let equal_time = found.map_or_else(EqualTimeTiming::default, |e| e.timing);
         let first = rows.last().is_none_or(|row| row.trial.method != trial.method);
-        rows.push(Row { trial, equal_time, first, best: Best::default() });
+        rows.push(Row { trial, equal_time, spread: spread(&trial.timing), first, best: Best::default() });
     }
     let columns: [(Column, fn(&mut Best)); 7] = [
         (|r| r.trial.quality.rmse, |b| b.rmse = true),
@@ -54,6 +56,15 @@ pub(super) fn rows(case: &CaseReport) -> Vec<Row<'_>> {
         }
     }
     rows
+}
+
+fn spread(timing: &TrialTiming) -> String {
+    let percent = |seconds: f64| 100.0 * (seconds / timing.seconds - 1.0);
+    let (least, most) = (percent(timing.min_seconds), percent(timing.max_seconds));
+    if !least.is_finite() || !most.is_finite() {
+        return "–".into();
+    }
+    format!("{least:+.0}, {most:+.0}").replace('-', "−")
 }
 
 #[cfg(test)]
@@ -86,5 +97,12 @@ mod tests {
         let rows = rows(&case);
         assert!(rows.iter().all(|r| !r.best.flip && !r.best.ratio && !r.best.ratio_with_builds));
         assert!(!rows[0].best.rmse && rows.iter().any(|r| r.best.rmse));
+    }
+
+    #[test]
+    fn the_spread_is_beside_the_median() {
+        let timing =
+            |seconds| TrialTiming { seconds, min_seconds: 0.97, max_seconds: 1.11, ..Default::default() };
+        assert_eq!((spread(&timing(1.0)).as_str(), spread(&timing(0.0)).as_str()), ("−3, +11", "–"));
     }
 }

@@ -9,7 +9,7 @@ use super::{
 use crate::report::{CaseReport, ConeBin, EstimateCalibration};
 
 /// Half the width of the largest and of the smallest marker; its area goes with the count.
-const LARGEST: f64 = 11.0;
+const LARGEST: f64 = 9.0;
 const SMALLEST: f64 = 2.5;
 
 /// Epsilon against the true error of cones, linear axes: most cones are at 0.

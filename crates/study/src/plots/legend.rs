@@ -30,7 +30,7 @@ pub(super) fn draw(svg: &mut Svg, chart: &Chart<'_>, clamped: bool, top: f64) ->
     let mut names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
     names.extend(chart.band.iter().map(|b| b.1));
     names.extend(chart.diagonal.then_some("equal"));
-    let widest = names.iter().map(|n| text_width(n)).fold(0.0, f64::max) + SAMPLE + 8.0;
+    let widest = names.iter().map(|n| text_width(n)).fold(0.0, f64::max) + SAMPLE + 4.0;
     let columns = ((WIDTH - MARGIN) / widest).floor().clamp(1.0, 3.0) as usize;
     let column_width = (WIDTH - MARGIN) / columns as f64;
     let room = ((column_width - SAMPLE) / text_width("x")).floor() as usize;
