@@ -1,7 +1,17 @@
 //! Commands and options.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use conray::{Alpha, AoSettings, Distance, Falloff, Method, Vec3};
+mod ao;
+mod camera;
+mod parse;
+mod study;
+
+pub(crate) use ao::{AoArgs, SharedAoArgs};
+pub(crate) use camera::{CameraArgs, GivenCameraArgs};
+pub(crate) use study::StudyArgs;
+
+use clap::{Args, Parser, Subcommand};
+use conray::AoSettings;
+use parse::{parse_bytes, parse_size};
 use std::path::PathBuf;
 
 /// Ambient occlusion by combining voxel cone tracing with ray tracing.
@@ -31,6 +41,9 @@ pub(crate) enum Command {
     /// Tells what is in a scene and what is wrong with it
     #[command(after_help = EXIT_CODES)]
     Info(InfoArgs),
+    /// Compares methods on scenes and writes a report: the paper's table and figures, and more
+    #[command(after_help = EXIT_CODES)]
+    Study(StudyArgs),
     /// Compares the visibility of two EXR images
     #[command(after_help = EXIT_CODES)]
     Compare(CompareArgs),
@@ -49,21 +62,8 @@ pub(crate) struct RenderArgs {
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
-    /// A named view of the scene (`conray info SCENE` lists them); default the first, else the whole scene
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at"])]
-    pub(crate) view: Option<String>,
-    /// Position of the camera
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "look_at")]
-    pub(crate) eye: Option<Vec3>,
-    /// Point in the middle of the image
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
-    pub(crate) look_at: Option<Vec3>,
-    /// Direction that is up in the image [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
-    pub(crate) up: Option<Vec3>,
-    /// Vertical field of view in degrees, above 0 and below 180 [default: the view's, or 50 with --eye]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    pub(crate) fov: Option<f32>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
     #[command(flatten)]
     pub(crate) ao: AoArgs,
     #[command(flatten)]
@@ -118,48 +118,6 @@ pub(crate) struct CompareArgs {
     pub(crate) json: bool,
 }
 
-/// Options of every command that estimates.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Ambient occlusion")]
-pub(crate) struct AoArgs {
-    /// How visibility is estimated: rays, cones, paper or hybrid (which for now is paper)
-    #[arg(long, default_value_t = AoSettings::default().method)]
-    method: Method,
-    /// How far an occluder counts: world units, inf, or auto for a tenth of the diagonal of the scene's bounds
-    #[arg(long, value_name = "D", default_value_t = Distance::Auto, allow_hyphen_values = true)]
-    distance: Distance,
-    /// How an occluder's weight fades with its distance
-    #[arg(long, value_enum, default_value = "none")]
-    falloff: FalloffArg,
-    /// Rays per point of method rays, from 1 to 1048576; powers of two err least
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().rays, allow_negative_numbers = true)]
-    rays: u32,
-    /// Octree leaves along the longest side of the scene: a power of two from 16 to 2048
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().voxels, allow_negative_numbers = true)]
-    voxels: u32,
-    /// Cones per point: 6, 9, 16 or 25
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().cones, allow_negative_numbers = true)]
-    cones: u32,
-    /// Method paper: how fast trust in a cone falls with its error, 0 or more
-    #[arg(long, value_name = "X", default_value_t = AoSettings::default().beta, allow_negative_numbers = true)]
-    beta: f32,
-    /// Method paper: the error up to which a cone is trusted fully, from 0 to 1
-    #[arg(long, value_name = "X", default_value_t = AoSettings::default().gamma, allow_negative_numbers = true)]
-    gamma: f32,
-    /// Method paper: most rays per cone, from 1 to 65536
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().max_rays, allow_negative_numbers = true)]
-    max_rays: u32,
-    /// Chooses the random numbers
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().seed)]
-    seed: u32,
-    /// Whether the opacity of materials counts
-    #[arg(long, value_enum, default_value = "material")]
-    alpha: AlphaArg,
-    /// Most memory that the structures may take, such as 512M or 2G; the octree steps down to obey
-    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
-    max_memory: Option<u64>,
-}
-
 /// Options about how the program runs.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Running")]
@@ -175,77 +133,11 @@ pub(crate) struct RunArgs {
     pub(crate) quiet: bool,
 }
 
-#[derive(ValueEnum, Clone, Copy, Debug)]
-enum FalloffArg {
-    None,
-    Linear,
-    Smooth,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug)]
-enum AlphaArg {
-    Material,
-    Opaque,
-}
-
-impl AoArgs {
-    pub(crate) fn settings(&self) -> AoSettings {
-        AoSettings {
-            method: self.method,
-            distance: self.distance,
-            falloff: match self.falloff {
-                FalloffArg::None => Falloff::None,
-                FalloffArg::Linear => Falloff::Linear,
-                FalloffArg::Smooth => Falloff::Smooth,
-            },
-            rays: self.rays,
-            voxels: self.voxels,
-            cones: self.cones,
-            beta: self.beta,
-            gamma: self.gamma,
-            max_rays: self.max_rays,
-            seed: self.seed,
-            alpha: match self.alpha {
-                AlphaArg::Material => Alpha::Material,
-                AlphaArg::Opaque => Alpha::Opaque,
-            },
-            max_memory: self.max_memory,
-        }
-    }
-}
-
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let parse = |side: &str| side.trim().parse().ok().filter(|&n| (1..=65536).contains(&n));
-    text.split_once(['x', 'X'])
-        .and_then(|(w, h)| Some((parse(w)?, parse(h)?)))
-        .ok_or_else(|| "expected WIDTHxHEIGHT, each from 1 to 65536, such as 1280x720".into())
-}
-
-fn parse_point(text: &str) -> Result<Vec3, String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
-    match numbers[..] {
-        [x, y, z] if text.split(',').count() == 3 && Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),
-        _ => Err("expected three numbers with commas between, such as 1.5,-2,0".into()),
-    }
-}
-
-fn parse_bytes(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let unit: u64 = match &text[digits.len()..].to_ascii_uppercase()[..] {
-        "" | "B" => 1,
-        "K" | "KB" | "KIB" => 1 << 10,
-        "M" | "MB" | "MIB" => 1 << 20,
-        "G" | "GB" | "GIB" => 1 << 30,
-        _ => 0,
-    };
-    let bytes = digits.parse::<f64>().unwrap_or(f64::NAN) * unit as f64;
-    if bytes >= 1.0 { Ok(bytes as u64) } else { Err("expected bytes, such as 800000000, 512M or 2G".into()) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use conray::Vec3;
 
     #[test]
     fn options_are_consistent() {
@@ -268,17 +160,7 @@ mod tests {
             let Command::Render(args) = Cli::parse_from(words).command else {
                 panic!("render was asked for")
             };
-            assert_eq!(args.eye, Some(Vec3::new(-1.0, 2.0, -3.0)));
+            assert_eq!(args.camera.given.eye, Some(Vec3::new(-1.0, 2.0, -3.0)));
         }
-    }
-
-    #[test]
-    fn sizes_points_and_bytes() {
-        assert_eq!(parse_size("640x480"), Ok((640, 480)));
-        assert!(["", "640", "0x1", "1x70000", "axb", "-1x5"].iter().all(|t| parse_size(t).is_err()));
-        assert_eq!(parse_point("1, -2,3e1"), Ok(Vec3::new(1.0, -2.0, 30.0)));
-        assert!(["", "1,2", "1,2,3,4", "1,,3", "a,b,c", "1,2,inf"].iter().all(|t| parse_point(t).is_err()));
-        assert_eq!(parse_bytes("1.5G"), Ok(3 << 29));
-        assert!(["", "G", "-1M", "5X", "0", "nan"].iter().all(|t| parse_bytes(t).is_err()));
     }
 }

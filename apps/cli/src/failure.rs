@@ -5,6 +5,7 @@ use conray::{
     scene::SceneError,
     target::{Fault, TargetError},
 };
+use conray_study::StudyError;
 use std::{fmt, process::ExitCode};
 
 /// Why the program stops, by whose fault it is.
@@ -51,6 +52,17 @@ impl From<TargetError> for Failure {
             Fault::Settings => Self::Request(message),
             Fault::Input | Fault::Limits => Self::Input(message),
             Fault::Output => Self::Work(message),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Conray(e) => e.into(),
+            StudyError::Request(message) => Self::Request(message),
+            e @ StudyError::Kept { .. } => Self::Input(e.to_string()),
+            e => Self::Work(e.to_string()),
         }
     }
 }

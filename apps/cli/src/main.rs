@@ -9,6 +9,7 @@ mod interrupt;
 mod render;
 mod report;
 mod sample;
+mod study;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Study(args) => study::run(&args),
         Command::Compare(args) => compare::run(&args),
     };
     match result {

@@ -22,7 +22,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     let scene = inputs::load_scene(&args.scene)?;
     reporter.scene_warnings(&scene);
-    let view = inputs::choose_view(&scene, args)?;
+    let view = inputs::choose_view(&scene, &args.camera)?;
     let (width, height) = args.size;
     target::Camera::new(&view, width, height)?;
     let options = SessionOptions { threads: args.run.threads };

@@ -46,6 +46,17 @@ impl Reporter {
         }
     }
 
+    /// How far a study is; at most about a thousand JSON lines.
+    pub(crate) fn study_progress(&self, what: &str, done: u64, total: u64) {
+        let moved = self.bar.message() != what || done * 1000 / total.max(1) != self.bar.position() * 1000 / total.max(1);
+        if self.json && moved {
+            self.json_line(&json!({ "event": "progress", "what": what, "done": done, "total": total }));
+        }
+        self.bar.set_length(total);
+        self.bar.set_message(what.to_owned());
+        self.bar.set_position(done);
+    }
+
     /// Tells about something odd, on standard error.
     pub(crate) fn warn(&self, message: &str) {
         self.bar.suspend(|| eprintln!("warning: {message}"));

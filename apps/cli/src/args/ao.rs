@@ -1,0 +1,109 @@
+//! Options about ambient occlusion, and the settings that they come to.
+
+use super::parse::parse_bytes;
+use clap::{Args, ValueEnum};
+use conray::{Alpha, AoSettings, Distance, Falloff, Method, Sampling};
+
+/// Options of every command that estimates by one method.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Ambient occlusion")]
+pub(crate) struct AoArgs {
+    /// How visibility is estimated: rays, cones, paper or hybrid (which for now is paper)
+    #[arg(long, default_value_t = AoSettings::default().method)]
+    method: Method,
+    /// Rays per point of method rays, from 1 to 1048576; powers of two err least
+    #[arg(long, value_name = "N", default_value_t = AoSettings::default().rays, allow_negative_numbers = true)]
+    rays: u32,
+    /// How method rays draws its directions: sobol (best), stratified or random (for comparisons)
+    #[arg(long, default_value_t = AoSettings::default().sampling)]
+    sampling: Sampling,
+    #[command(flatten)]
+    shared: SharedAoArgs,
+}
+
+/// Options that mean the same for every method.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Ambient occlusion")]
+pub(crate) struct SharedAoArgs {
+    /// How far an occluder counts: world units, inf, or auto for a tenth of the diagonal of the scene's bounds
+    #[arg(long, value_name = "D", default_value_t = Distance::Auto, allow_hyphen_values = true)]
+    distance: Distance,
+    /// How an occluder's weight fades with its distance
+    #[arg(long, value_enum, default_value = "none")]
+    falloff: FalloffArg,
+    /// Octree leaves along the longest side of the scene: a power of two from 16 to 2048
+    #[arg(long, value_name = "N", default_value_t = AoSettings::default().voxels, allow_negative_numbers = true)]
+    voxels: u32,
+    /// Cones per point: 6, 9, 16 or 25
+    #[arg(long, value_name = "N", default_value_t = AoSettings::default().cones, allow_negative_numbers = true)]
+    cones: u32,
+    /// Method paper: how fast trust in a cone falls with its error, 0 or more
+    #[arg(long, value_name = "X", default_value_t = AoSettings::default().beta, allow_negative_numbers = true)]
+    beta: f32,
+    /// Method paper: the error up to which a cone is trusted fully, from 0 to 1
+    #[arg(long, value_name = "X", default_value_t = AoSettings::default().gamma, allow_negative_numbers = true)]
+    gamma: f32,
+    /// Method paper: most rays per cone, from 1 to 65536
+    #[arg(long, value_name = "N", default_value_t = AoSettings::default().max_rays, allow_negative_numbers = true)]
+    max_rays: u32,
+    /// Chooses the random numbers
+    #[arg(long, value_name = "N", default_value_t = AoSettings::default().seed)]
+    seed: u32,
+    /// Whether the opacity of materials counts
+    #[arg(long, value_enum, default_value = "material")]
+    alpha: AlphaArg,
+    /// Most memory that the structures may take, such as 512M or 2G; the octree steps down to obey
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    max_memory: Option<u64>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum FalloffArg {
+    None,
+    Linear,
+    Smooth,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum AlphaArg {
+    Material,
+    Opaque,
+}
+
+impl AoArgs {
+    pub(crate) fn settings(&self) -> AoSettings {
+        AoSettings {
+            method: self.method,
+            rays: self.rays,
+            sampling: self.sampling,
+            ..self.shared.settings()
+        }
+    }
+}
+
+impl SharedAoArgs {
+    /// The settings, those of a single method left at their defaults.
+    pub(crate) fn settings(&self) -> AoSettings {
+        AoSettings {
+            distance: self.distance,
+            falloff: match self.falloff {
+                FalloffArg::None => Falloff::None,
+                FalloffArg::Linear => Falloff::Linear,
+                FalloffArg::Smooth => Falloff::Smooth,
+            },
+            voxels: self.voxels,
+            cones: self.cones,
+            beta: self.beta,
+            gamma: self.gamma,
+            max_rays: self.max_rays,
+            seed: self.seed,
+            alpha: match self.alpha {
+                AlphaArg::Material => Alpha::Material,
+                AlphaArg::Opaque => Alpha::Opaque,
+            },
+            max_memory: self.max_memory,
+            ..AoSettings::default()
+        }
+    }
+}
+
