@@ -28,8 +28,8 @@ struct Best {
     ratio_with_builds: bool,
 }
 
-/// A number of a row, where less is better.
-type Column = fn(&Row<'_>) -> f64;
+/// A number of a row, where less is better, and the mark that its least value gets.
+type Column = (fn(&Row<'_>) -> f64, fn(&mut Best));
 
 pub(super) fn rows(case: &CaseReport) -> Vec<Row<'_>> {
     let mut rows: Vec<Row<'_>> = Vec::new();
@@ -39,7 +39,7 @@ pub(super) fn rows(case: &CaseReport) -> Vec<Row<'_>> {
         let first = rows.last().is_none_or(|row| row.trial.method != trial.method);
         rows.push(Row { trial, equal_time, spread: spread(&trial.timing), first, best: Best::default() });
     }
-    let columns: [(Column, fn(&mut Best)); 7] = [
+    let columns: [Column; 7] = [
         (|r| r.trial.quality.rmse, |b| b.rmse = true),
         (|r| r.trial.quality.mae, |b| b.mae = true),
         (|r| r.trial.quality.bias.abs(), |b| b.bias = true),
