@@ -49,7 +49,8 @@ pub(crate) fn given_view(args: &GivenCameraArgs) -> Option<View> {
 /// Says which views there are.
 pub(crate) fn no_such_view(scenes: &[&Scene], name: &str) -> Failure {
     let known = |scene: &&Scene| {
-        let names: Vec<&str> = scene.views.iter().map(|v| &v.name[..]).chain(std::iter::once("whole")).collect();
+        let names: Vec<&str> =
+            scene.views.iter().map(|v| &v.name[..]).chain(std::iter::once("whole")).collect();
         format!("{} has {}", scene.name, names.join(", "))
     };
     Failure::Request(format!("--view {name}: {}", scenes.iter().map(known).collect::<Vec<_>>().join("; ")))

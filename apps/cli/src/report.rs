@@ -48,7 +48,8 @@ impl Reporter {
 
     /// How far a study is; at most about a thousand JSON lines.
     pub(crate) fn study_progress(&self, what: &str, done: u64, total: u64) {
-        let moved = self.bar.message() != what || done * 1000 / total.max(1) != self.bar.position() * 1000 / total.max(1);
+        let moved = self.bar.message() != what
+            || done * 1000 / total.max(1) != self.bar.position() * 1000 / total.max(1);
         if self.json && moved {
             self.json_line(&json!({ "event": "progress", "what": what, "done": done, "total": total }));
         }

@@ -1,11 +1,6 @@
 //! `conray study`: methods compared on scenes, as a report.
 
-use crate::{
-    args::StudyArgs,
-    failure::Failure,
-    inputs, interrupt,
-    report::Reporter,
-};
+use crate::{args::StudyArgs, failure::Failure, inputs, interrupt, report::Reporter};
 use conray::{View, scene::Scene, target};
 use conray_study::{self as study, StudyOptions, StudyScene};
 use serde_json::json;
@@ -31,7 +26,8 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
         args.output.join("report.html").display(),
         start.elapsed().as_secs_f64()
     ));
-    let facts = json!({ "report": args.output.join("report.json"), "seconds": start.elapsed().as_secs_f64() });
+    let facts =
+        json!({ "report": args.output.join("report.json"), "seconds": start.elapsed().as_secs_f64() });
     reporter.summary(&lines, facts);
     Ok(())
 }

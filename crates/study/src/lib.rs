@@ -22,6 +22,7 @@ mod case;
 mod contender;
 mod contenders;
 mod csv;
+mod curve;
 mod error;
 mod fingerprint;
 #[cfg(test)]
@@ -32,8 +33,8 @@ mod meter;
 mod oidn;
 mod options;
 mod page;
-mod pilot;
 pub mod picture;
+mod pilot;
 mod plots;
 pub mod quality;
 pub mod report;

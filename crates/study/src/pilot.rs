@@ -8,8 +8,8 @@ mod features;
 use crate::{Case, StudyError};
 use conray::{AoSettings, Method, Ray, SurfacePoint, Vec3, view_cones};
 use conray_core::{Cone, Frame, hash_u32, owen_sobol_2d};
-use features::Occluders;
 pub(crate) use features::OccluderFacts;
+use features::Occluders;
 use rayon::prelude::*;
 
 /// Rays inside each cone.
@@ -98,14 +98,22 @@ pub(crate) fn trace_points(case: &Case, picked: &[usize]) -> Result<Vec<PilotPoi
                 let cones = view_cones(&plan, octree, point)
                     .enumerate()
                     .map(|(number, view)| {
-                        let rays = ConeRays { case, point, frame: &frame, cone: view.cone, distance: plan.distance };
+                        let rays =
+                            ConeRays { case, point, frame: &frame, cone: view.cone, distance: plan.distance };
                         let (truth, ray_variance, occluders) = rays.trace(number as u32);
                         let open = view.visibility == 1.0 && view.error == 0.0;
                         PilotCone {
                             weight: view.cone.weight,
                             visibility: view.visibility,
                             epsilon: view.error,
-                            certified: open && features::path_is_empty(octree, point, view.axis, view.cone, plan.distance),
+                            certified: open
+                                && features::path_is_empty(
+                                    octree,
+                                    point,
+                                    view.axis,
+                                    view.cone,
+                                    plan.distance,
+                                ),
                             truth,
                             ray_variance,
                             occluders,

@@ -31,8 +31,7 @@ pub(crate) struct Tuned {
 
 const BETAS: [f32; 12] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 2000.0, 1e6];
 const GAMMAS: [f32; 11] = [0.0, 0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.4, 1.0];
-const MAX_RAYS: [u32; 21] =
-    [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 48, 64, 96, 128, 256];
+const MAX_RAYS: [u32; 21] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 48, 64, 96, 128, 256];
 
 /// The constants of least expected error for each budget in rays per point, one after the other.
 ///

@@ -72,7 +72,8 @@ pub fn run(
                 observer.warn(&message);
             }
         };
-        let looked_at: Vec<(String, Vec3)> = scene.views.iter().map(|v| (v.name.clone(), v.look_at)).collect();
+        let looked_at: Vec<(String, Vec3)> =
+            scene.views.iter().map(|v| (v.name.clone(), v.look_at)).collect();
         let session = Arc::new(Session::build_observed(scene.geometry, &built, &threads, &warn)?);
         for view in views {
             let target = session.camera(&view, options.size.0, options.size.1)?;
@@ -130,7 +131,8 @@ fn study_case(
     let mut contenders: Vec<Box<dyn Contender>> = contenders::chosen(&options.methods)?;
     contenders.retain(|c| c.unavailable().is_none());
     let store = Store::new(case, options)?;
-    let trials = trials::run(case, &mut contenders, &truth.visibility, &pilot, options, &store, meter, control)?;
+    let trials =
+        trials::run(case, &mut contenders, &truth.visibility, &pilot, options, &store, meter, control)?;
     stop_if(cancelled)?;
     // The truth must be well under what it judges.
     let smallest = |truth: &Truth| -> Result<f64, StudyError> {
@@ -142,8 +144,15 @@ fn study_case(
         truth = find_truth(case, options, wanted, meter, control)?;
     }
     meter.say(format!("{}: judging", case.id));
-    let evidence =
-        Evidence { case, truth: &truth, pilot: &pilot, contenders: &contenders, trials: &trials, timing, options };
+    let evidence = Evidence {
+        case,
+        truth: &truth,
+        pilot: &pilot,
+        contenders: &contenders,
+        trials: &trials,
+        timing,
+        options,
+    };
     let report = assemble::case_report(&evidence, pictures)?;
     stop_if(cancelled)?;
     meter.case_done();

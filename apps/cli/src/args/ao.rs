@@ -72,12 +72,7 @@ enum AlphaArg {
 
 impl AoArgs {
     pub(crate) fn settings(&self) -> AoSettings {
-        AoSettings {
-            method: self.method,
-            rays: self.rays,
-            sampling: self.sampling,
-            ..self.shared.settings()
-        }
+        AoSettings { method: self.method, rays: self.rays, sampling: self.sampling, ..self.shared.settings() }
     }
 }
 
@@ -106,4 +101,3 @@ impl SharedAoArgs {
         }
     }
 }
-

@@ -32,4 +32,3 @@ pub(crate) struct GivenCameraArgs {
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
 }
-

@@ -46,4 +46,3 @@ pub(crate) struct StudyArgs {
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
-

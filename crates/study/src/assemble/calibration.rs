@@ -54,7 +54,8 @@ fn split_ties(pairs: &[(f64, f64)], size: usize) -> impl Iterator<Item = &[(f64,
 
 fn bin_of(pairs: &[(f64, f64)]) -> Option<ErrorBin> {
     let n = pairs.len();
-    let root_mean = |f: fn(&(f64, f64)) -> f64| (pairs.iter().map(|p| f(p).powi(2)).sum::<f64>() / n as f64).sqrt();
+    let root_mean =
+        |f: fn(&(f64, f64)) -> f64| (pairs.iter().map(|p| f(p).powi(2)).sum::<f64>() / n as f64).sqrt();
     (n > 0).then(|| ErrorBin { count: n, expected: root_mean(|p| p.0), actual: root_mean(|p| p.1) })
 }
 

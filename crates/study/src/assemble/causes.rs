@@ -32,9 +32,13 @@ impl Cause {
         match self {
             Self::Mask => "alpha mask: holes finer than a voxel, taken as even haze",
             Self::Contact => "contact: the occluder is within three voxels, where the march has only begun",
-            Self::Corner => "corner: the occluder rises from the surface by less than the samples are lifted off it",
+            Self::Corner => {
+                "corner: the occluder rises from the surface by less than the samples are lifted off it"
+            }
             Self::Thin => "thin wall: a voxel or less, smeared over its neighbours by the filter",
-            Self::Edge => "edge: an outline divides the cone, which is marched along its axis as wholly open or closed",
+            Self::Edge => {
+                "edge: an outline divides the cone, which is marched along its axis as wholly open or closed"
+            }
             Self::Doubled => "doubled: several surfaces along the cone count more than they cover",
             Self::Leak => "leak: the filter lets through what is closed",
             Self::Noise => "noise: too few rays",

@@ -91,7 +91,8 @@ fn rank_correlation(cones: &[&PilotCone]) -> f64 {
     let a = ranks(&cones.iter().map(|c| f64::from(c.epsilon)).collect::<Vec<_>>());
     let b = ranks(&cones.iter().map(|c| error(c).abs()).collect::<Vec<_>>());
     let middle = (a.len() as f64 - 1.0) / 2.0;
-    let product = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
+    let product =
+        |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
     let spread = (product(&a, &a) * product(&b, &b)).sqrt();
     if spread > 0.0 { product(&a, &b) / spread } else { 0.0 }
 }
@@ -139,7 +140,8 @@ mod tests {
     fn classes_share_out_all_cones() {
         let settings = AoSettings { beta: 100.0, gamma: 0.02, max_rays: 8, ..AoSettings::default() };
         let all = [cone(1.0, 0.0, 1.0), cone(0.0, 0.0, 0.5), cone(0.5, 0.01, 0.5), cone(0.5, 0.5, 0.1)];
-        let report = report(&Pilot { points: vec![crate::PilotPoint { index: 0, cones: all.into() }] }, &settings);
+        let report =
+            report(&Pilot { points: vec![crate::PilotPoint { index: 0, cones: all.into() }] }, &settings);
         let shares: Vec<f64> = report.classes.iter().map(|c| c.share).collect();
         assert_eq!(shares, [0.0, 0.25, 0.25, 0.25, 0.25]);
         assert_eq!(report.classes[2].bias, -0.5);

@@ -89,9 +89,8 @@ fn worst_places(evidence: &Evidence<'_>, trial: &Trial) -> Vec<u32> {
     let mut ranked: Vec<(f32, u32)> =
         case.points().iter().map(|p| (around(&pixels, case.size(), p.id), p.id)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let apart = |a: u32, b: u32| {
-        (a % width).abs_diff(b % width) >= SIDE || (a / width).abs_diff(b / width) >= SIDE
-    };
+    let apart =
+        |a: u32, b: u32| (a % width).abs_diff(b % width) >= SIDE || (a / width).abs_diff(b / width) >= SIDE;
     let first = ranked.first().map(|p| p.1);
     let second = ranked.iter().map(|p| p.1).find(|&id| first.is_some_and(|f| apart(f, id)));
     first.into_iter().chain(second).collect()

@@ -3,7 +3,6 @@
 mod calibration;
 mod causes;
 mod cones;
-mod curve;
 mod failures;
 mod figures;
 mod ray_to_cone;
@@ -13,8 +12,11 @@ mod table;
 use crate::{
     Case, Contender, StudyError, StudyOptions,
     pilot::Pilot,
-    quality, search,
-    report::{CaseReport, CaseTiming, Quality, TrialReport, TrialTiming, TruthReport, TunedReport, ViewReport},
+    quality,
+    report::{
+        CaseReport, CaseTiming, Quality, TrialReport, TrialTiming, TruthReport, TunedReport, ViewReport,
+    },
+    search,
     study::Pictures,
     trials::{Trial, Trials, median},
     truth::Truth,
@@ -51,18 +53,24 @@ impl Evidence<'_> {
 }
 
 /// The report of one case; its pictures are added to the others.
-pub(crate) fn case_report(evidence: &Evidence<'_>, pictures: &mut Pictures) -> Result<CaseReport, StudyError> {
+pub(crate) fn case_report(
+    evidence: &Evidence<'_>,
+    pictures: &mut Pictures,
+) -> Result<CaseReport, StudyError> {
     let Evidence { case, truth, pilot, options, .. } = evidence;
     let session = &case.session;
     // FLIP runs on one core, so trials are judged side by side.
-    let answers: Vec<&[f32]> = evidence.trials.list.iter().map(|trial| &trial.answer.visibility[..]).collect();
+    let answers: Vec<&[f32]> =
+        evidence.trials.list.iter().map(|trial| &trial.answer.visibility[..]).collect();
     let judge = |answer: &&[f32]| quality::judge(case, answer, &truth.visibility);
-    let qualities: Vec<Quality> = session.install(|| answers.par_iter().map(judge).collect::<Result<_, _>>())?;
+    let qualities: Vec<Quality> =
+        session.install(|| answers.par_iter().map(judge).collect::<Result<_, _>>())?;
     let trials: Vec<TrialReport> = (evidence.trials.list.iter().zip(qualities))
         .map(|(trial, quality)| trial_report(evidence, trial, quality))
         .collect();
     let smallest_judged = trials.iter().map(|t| t.quality.rmse).fold(f64::INFINITY, f64::min);
-    let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64;
+    let mean =
+        |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64;
     let distance = session.plan().distance;
     let mut report = CaseReport {
         id: case.id.clone(),

@@ -1,7 +1,7 @@
 //! Why the blend wins or loses on this machine, and what it would take: the price of a cone in rays.
 
-use super::{curve, table};
-use crate::report::CaseReport;
+use super::table;
+use crate::{curve, report::CaseReport};
 
 /// The paper's claim: RMSE of the blend over that of rays on its Cornell box.
 const CLAIMED: f64 = 0.80;
@@ -26,7 +26,9 @@ pub(super) fn explain(case: &CaseReport) -> String {
                 "Rays reach the blend's RMSE over {CLAIMED} with {count:.0} a point; the blend traces {:.0} and marches {:.0} cones. \
                  To win by the paper's {CLAIMED} at equal time a cone may cost {affordable_us:.3} microseconds, \
                  {:.1} times less than now.",
-                blend.rays, blend.cones, cone_us / affordable_us
+                blend.rays,
+                blend.cones,
+                cone_us / affordable_us
             );
         }
         Some(count) => {

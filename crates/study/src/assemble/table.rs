@@ -1,7 +1,9 @@
 //! The paper's Table 1 beside ours, and every method against rays at equal time.
 
-use super::curve;
-use crate::report::{CaseReport, EqualTime, EqualTimeTiming, TableRow, TableTiming, TrialReport};
+use crate::{
+    curve,
+    report::{CaseReport, EqualTime, EqualTimeTiming, TableRow, TableTiming, TrialReport},
+};
 
 /// RMSE and milliseconds of the paper's Table 1.
 struct Published {
@@ -44,17 +46,18 @@ pub(super) fn rows(case: &CaseReport) -> Vec<TableRow> {
     let Some(blend) = find(trials, "paper", 1) else { return Vec::new() };
     let theirs = published(&case.scene);
     let their = |pick: fn(&Published) -> (f64, f64)| theirs.as_ref().map(pick);
-    let row = |method: &str, label: &str, rays, rmse: Option<f64>, paper: Option<(f64, f64)>, timing| TableRow {
-        method: method.into(),
-        label: label.into(),
-        rays,
-        rmse,
-        blend_ratio: rmse.map(|rmse| blend.quality.rmse / rmse),
-        paper_rmse: paper.map(|p| p.0),
-        paper_ms: paper.map(|p| p.1),
-        paper_blend_ratio: paper.zip(theirs.as_ref()).map(|(p, all)| all.blend.0 / p.0),
-        timing,
-    };
+    let row =
+        |method: &str, label: &str, rays, rmse: Option<f64>, paper: Option<(f64, f64)>, timing| TableRow {
+            method: method.into(),
+            label: label.into(),
+            rays,
+            rmse,
+            blend_ratio: rmse.map(|rmse| blend.quality.rmse / rmse),
+            paper_rmse: paper.map(|p| p.0),
+            paper_ms: paper.map(|p| p.1),
+            paper_blend_ratio: paper.zip(theirs.as_ref()).map(|(p, all)| all.blend.0 / p.0),
+            timing,
+        };
     let seconds = |seconds| TableTiming { seconds, ..TableTiming::default() };
     let mut rows = vec![row(
         "paper",
@@ -74,7 +77,14 @@ pub(super) fn rows(case: &CaseReport) -> Vec<TableRow> {
         trials.iter().filter(|t| t.method == "rays").map(|t| (t.rays, t.timing.seconds)).collect();
     if let Some(rmse) = curve::at(&by_count, blend.rays) {
         let timing = seconds(curve::at(&time_by_count, blend.rays).unwrap_or(0.0));
-        rows.push(row("rays", "rays, as many as the blend traces", blend.rays, Some(rmse), their(|p| p.rays), timing));
+        rows.push(row(
+            "rays",
+            "rays, as many as the blend traces",
+            blend.rays,
+            Some(rmse),
+            their(|p| p.rays),
+            timing,
+        ));
     }
     if !by_count.is_empty() {
         let at_time = curve::at(&by_time(trials, "rays"), blend.timing.seconds);
@@ -97,7 +107,8 @@ pub(super) fn equal_time(trials: &[TrialReport]) -> Vec<EqualTime> {
         .iter()
         .filter(|t| t.method != "rays")
         .map(|t| {
-            let ratio = |curve: &[(f64, f64)], seconds| curve::at(curve, seconds).map(|rmse| t.quality.rmse / rmse);
+            let ratio =
+                |curve: &[(f64, f64)], seconds| curve::at(curve, seconds).map(|rmse| t.quality.rmse / rmse);
             let timing = EqualTimeTiming {
                 rmse_ratio: ratio(&alone, t.timing.seconds),
                 rmse_ratio_with_builds: ratio(&built, t.timing.seconds_with_builds),

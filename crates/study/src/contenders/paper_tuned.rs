@@ -29,7 +29,10 @@ impl Contender for PaperTuned {
     fn efforts(&self, budgets: &[u32]) -> Vec<Effort> {
         budgets
             .iter()
-            .map(|&rays| Effort { value: rays, label: format!("at most {rays} ray{}", if rays == 1 { "" } else { "s" }) })
+            .map(|&rays| Effort {
+                value: rays,
+                label: format!("at most {rays} ray{}", if rays == 1 { "" } else { "s" }),
+            })
             .collect()
     }
 

@@ -17,7 +17,9 @@ pub(crate) fn check_names(names: &[String]) -> Result<(), StudyError> {
     for (index, name) in names.iter().enumerate() {
         if !known.contains(&&name[..]) {
             let known = known.join(", ");
-            return Err(StudyError::Request(format!("--methods {name}: there is no such method; there are {known}")));
+            return Err(StudyError::Request(format!(
+                "--methods {name}: there is no such method; there are {known}"
+            )));
         }
         if names[..index].contains(name) {
             return Err(StudyError::Request(format!("--methods {name}: named twice")));

@@ -67,7 +67,13 @@ impl<'a> Occluders<'a> {
 ///
 /// The first two voxels hold the surface itself, so a cone is certified only where its lowest direction has left
 /// them: what is nearer counts as the surface's own.
-pub(super) fn path_is_empty(octree: &Octree, point: &SurfacePoint, axis: Vec3, cone: &Cone, distance: f32) -> bool {
+pub(super) fn path_is_empty(
+    octree: &Octree,
+    point: &SurfacePoint,
+    axis: Vec3,
+    cone: &Cone,
+    distance: f32,
+) -> bool {
     let lowest = axis.dot(point.geometric_normal).clamp(-1.0, 1.0).acos() + cone.half_angle_rad;
     let rise = (std::f32::consts::FRAC_PI_2 - lowest).sin();
     if rise <= 0.0 {

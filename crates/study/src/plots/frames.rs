@@ -6,7 +6,10 @@ use super::{
     empty, figures,
     style::Style,
 };
-use crate::report::{CaseReport, TrialReport};
+use crate::{
+    curve,
+    report::{CaseReport, TrialReport},
+};
 
 /// Cones march once, so that their error is the same in every frame; `rays` trace as many a frame as the blend in its first.
 pub(super) fn draw(case: &CaseReport) -> String {
@@ -40,10 +43,10 @@ pub(super) fn draw(case: &CaseReport) -> String {
         let marks = frames.iter().map(|f| mark(*f, cones.quality.rmse, &name)).collect();
         all.push(series(&name, "cones", marks));
     }
-    let curve: Vec<(f64, f64)> = of("rays").map(|t| (t.rays, t.quality.rmse)).collect();
+    let known: Vec<(f64, f64)> = of("rays").map(|t| (t.rays, t.quality.rmse)).collect();
     let name = format!("rays, {} a frame", figures(first.rays));
     let marks: Vec<Mark> =
-        frames.iter().filter_map(|f| Some(mark(*f, read(&curve, f * first.rays)?, &name))).collect();
+        frames.iter().filter_map(|f| Some(mark(*f, curve::at(&known, f * first.rays)?, &name))).collect();
     if !marks.is_empty() {
         all.push(series(&name, "rays", marks));
     }
@@ -56,32 +59,5 @@ pub(super) fn draw(case: &CaseReport) -> String {
             Chart { label, x, y, series: all, diagonal: false, band: None }.draw()
         }
         _ => empty("No frame has an error above 0 to show here."),
-    }
-}
-
-/// The value at `x` of a curve, linear in logarithms between its points; `None` beyond them.
-fn read(curve: &[(f64, f64)], x: f64) -> Option<f64> {
-    let mut known: Vec<(f64, f64)> = curve.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0).collect();
-    known.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some(point) = known.iter().find(|p| p.0 == x) {
-        return Some(point.1);
-    }
-    let pair = known.windows(2).find(|w| w[0].0 < x && x < w[1].0)?;
-    let share = (x / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
-    Some(pair[0].1 * (pair[1].1 / pair[0].1).powf(share))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_power_law_is_read_exactly_and_not_beyond_its_ends() {
-        let law = |x: f64| 0.4 * x.powf(-0.6);
-        let curve: Vec<(f64, f64)> = [1.0, 4.0, 64.0].map(|x| (x, law(x))).into();
-        for x in [1.0, 3.0, 50.0, 64.0] {
-            assert!((read(&curve, x).unwrap() / law(x) - 1.0).abs() < 1e-12);
-        }
-        assert_eq!((read(&curve, 0.9), read(&curve, 65.0), read(&[], 1.0)), (None, None, None));
     }
 }

@@ -1,7 +1,9 @@
 //! Trials kept until the study is done, so that an interrupted one goes on.
 
 use super::Trial;
-use crate::{Answer, Case, Contender, Effort, Fingerprint, StudyError, StudyOptions, kept::Kept, meter::Meter};
+use crate::{
+    Answer, Case, Contender, Effort, Fingerprint, StudyError, StudyOptions, kept::Kept, meter::Meter,
+};
 use serde_json::{Value, json};
 use std::{fs, path::PathBuf};
 

@@ -72,7 +72,12 @@ fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
             .collect();
         let most = scale(expected).max(scale(&actual));
         let label = format!("{stem}, {}, 0 to {most:.2}", trial.effort.label);
-        panels.push(album.heat(&format!("{stem}-expected"), format!("{label}: expected error"), expected, most));
+        panels.push(album.heat(
+            &format!("{stem}-expected"),
+            format!("{label}: expected error"),
+            expected,
+            most,
+        ));
         panels.push(album.heat(&format!("{stem}-actual"), format!("{label}: true error"), &actual, most));
     }
     let caption = "Expected and true absolute error, dark is none. The expected error is a standard deviation, \

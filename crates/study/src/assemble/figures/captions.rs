@@ -31,14 +31,20 @@ pub(super) fn third(report: &CaseReport) -> String {
 
 pub(super) fn fourth(report: &CaseReport) -> String {
     let ratio = |label: &str| {
-        report.table.iter().find(|row| row.label == label).and_then(|row| Some((row.blend_ratio?, row.paper_blend_ratio)))
+        report
+            .table
+            .iter()
+            .find(|row| row.label == label)
+            .and_then(|row| Some((row.blend_ratio?, row.paper_blend_ratio)))
     };
     let mut text = String::from("Blue is too closed, red too open, full colour at 0.3. ");
     for (label, name) in [("cones", "cones"), ("rays, as many as the blend traces", "as many rays")] {
         let Some((ours, theirs)) = ratio(label) else { continue };
         text += &format!("The blend's RMSE is {ours:.2} of that of {name}");
         text += &match theirs {
-            Some(theirs) if (ours < 1.0) == (theirs < 1.0) => format!("; the paper has {theirs:.2}: it agrees. "),
+            Some(theirs) if (ours < 1.0) == (theirs < 1.0) => {
+                format!("; the paper has {theirs:.2}: it agrees. ")
+            }
             Some(theirs) => format!("; the paper has {theirs:.2}: it does not agree. "),
             None => ". ".into(),
         };
@@ -55,10 +61,13 @@ pub(super) fn fifth(report: &CaseReport) -> String {
          average out. ",
         last.effort
     );
-    let slopes: Vec<String> = [("rays", "Sobol"), ("rays-stratified", "stratified"), ("rays-random", "plain random")]
-        .into_iter()
-        .filter_map(|(method, name)| Some(format!("{name} rays with the power {:.2} of their number", slope(report, method)?)))
-        .collect();
+    let slopes: Vec<String> =
+        [("rays", "Sobol"), ("rays-stratified", "stratified"), ("rays-random", "plain random")]
+            .into_iter()
+            .filter_map(|(method, name)| {
+                Some(format!("{name} rays with the power {:.2} of their number", slope(report, method)?))
+            })
+            .collect();
     if !slopes.is_empty() {
         text += &format!("As the paper found, rays go on falling: {}.", slopes.join(", "));
     }
@@ -89,7 +98,10 @@ pub(super) fn by_time(report: &CaseReport) -> String {
         .min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((ratio, best)) = best {
         let label = table::find(&report.trials, &best.method, best.effort).map_or("", |t| &t.label);
-        text += &format!(" Against rays in the same time the best is {} with {label}: RMSE {ratio:.2} of theirs.", best.method);
+        text += &format!(
+            " Against rays in the same time the best is {} with {label}: RMSE {ratio:.2} of theirs.",
+            best.method
+        );
     }
     text
 }
@@ -102,7 +114,8 @@ pub(super) fn builds(report: &CaseReport) -> String {
 }
 
 pub(super) fn bias(report: &CaseReport) -> String {
-    let floor = report.truth.error / report.truth.mean_visibility.max(1e-9) / (report.points.max(1) as f64).sqrt();
+    let floor =
+        report.truth.error / report.truth.mean_visibility.max(1e-9) / (report.points.max(1) as f64).sqrt();
     format!(
         "Mean signed error over mean visibility, its size; the sign is in the table of trials. A method that converges goes on \
          falling; one that stays level has a bias that no work removes. The truth's own mean is known to about {floor:.1e}."

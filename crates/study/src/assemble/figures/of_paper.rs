@@ -60,7 +60,8 @@ fn fourth(album: &mut Album<'_>) -> Option<Figure> {
     let blend = evidence.trial("paper", 1)?;
     let points = evidence.case.points().len().max(1) as f64;
     let blend_rays = blend.answer.rays as f64 / points;
-    let mut shown: Vec<(&str, String, &Trial)> = vec![("paper", format!("blend, {blend_rays:.0} rays"), blend)];
+    let mut shown: Vec<(&str, String, &Trial)> =
+        vec![("paper", format!("blend, {blend_rays:.0} rays"), blend)];
     if let Some(cones) = evidence.trial("cones", evidence.case.settings.cones) {
         shown.push(("cones", cones.effort.label.clone(), cones));
     }
@@ -94,7 +95,8 @@ fn sixth(album: &mut Album<'_>) -> Result<Figure, StudyError> {
         album.grey("blend-alpha", "alpha: white trusts cones", &alpha),
         album.heat("blend-rays", format!("rays, 0 to {most:.0}"), &rays, most),
     ];
-    let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64;
+    let mean =
+        |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64;
     let caption = captions::sixth(mean(&alpha), mean(&rays), most);
     Ok(gallery("figure-6", "Figure 6: where the blend trusts cones", panels, caption))
 }

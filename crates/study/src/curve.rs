@@ -3,7 +3,7 @@
 /// The value at `x` of a curve through points with positive coordinates, linear in logarithms; `None` outside of it.
 ///
 /// Points need not be sorted; of equal `x` the smaller `y` counts.
-pub(super) fn at(points: &[(f64, f64)], x: f64) -> Option<f64> {
+pub(crate) fn at(points: &[(f64, f64)], x: f64) -> Option<f64> {
     let mut known: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     known.dedup_by_key(|p| p.0);
@@ -16,7 +16,7 @@ pub(super) fn at(points: &[(f64, f64)], x: f64) -> Option<f64> {
 }
 
 /// Where a falling curve reaches `y`; `None` outside of it.
-pub(super) fn where_it_reaches(points: &[(f64, f64)], y: f64) -> Option<f64> {
+pub(crate) fn where_it_reaches(points: &[(f64, f64)], y: f64) -> Option<f64> {
     let turned: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (y, x)).collect();
     at(&turned, y)
 }
