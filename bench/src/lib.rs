@@ -1,5 +1,8 @@
 //! What the measuring programs share: scenes with views, truths kept on disk, runs judged against them.
 
+pub mod embree;
+pub mod hemispheres;
+
 use conray::{
     AoSettings, Control, Error, Method, Outcome, Session, SessionOptions, SurfacePoint, View,
     scene::{self, Scene},

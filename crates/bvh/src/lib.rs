@@ -58,6 +58,7 @@
 mod binary;
 mod blas;
 mod build;
+mod bundle;
 mod bvh;
 mod hits;
 mod node;
@@ -74,6 +75,7 @@ mod validate;
 mod wide;
 
 pub use build::BvhError;
+pub use bundle::{BUNDLE_RAYS, Level};
 pub use bvh::{Bvh, BvhStats};
 pub use query::Hit;
 pub use surface::{position_error, triangle_point};

@@ -16,7 +16,7 @@ pub struct Case {
     pub scene: String,
     /// The view.
     pub view: View,
-    /// Places of interest: names and world positions that the scene's other views look at.
+    /// Places of interest: what is in the middle of the scene's other views, by their names, in world space.
     pub places: Vec<(String, Vec3)>,
     /// What was built for the scene, with BVH and octree; views of one scene share it.
     pub session: Arc<Session>,

@@ -10,7 +10,7 @@ use crate::{
     trials::{self, Store, Trial},
     truth::{Truth, TruthOptions},
 };
-use conray::{AoSettings, Control, Method, Session, SessionOptions, Vec3};
+use conray::{AoSettings, Control, Method, Ray, Session, SessionOptions, Vec3, View};
 use serde_json::{Map, Value};
 use std::{
     collections::BTreeMap,
@@ -72,15 +72,14 @@ pub fn run(
                 observer.warn(&message);
             }
         };
-        let looked_at: Vec<(String, Vec3)> =
-            scene.views.iter().map(|v| (v.name.clone(), v.look_at)).collect();
+        let scene_views = scene.views.clone();
         let session = Arc::new(Session::build_observed(scene.geometry, &built, &threads, &warn)?);
         for view in views {
             let target = session.camera(&view, options.size.0, options.size.1)?;
             let case = Case {
                 id: case_id(&name, &view.name, &reports),
                 scene: name.clone(),
-                places: looked_at.iter().filter(|(place, _)| *place != view.name).cloned().collect(),
+                places: places(&session, scene_views.iter().filter(|other| other.name != view.name)),
                 view,
                 session: Arc::clone(&session),
                 target,
@@ -135,13 +134,16 @@ fn study_case(
         trials::run(case, &mut contenders, &truth.visibility, &pilot, options, &store, meter, control)?;
     stop_if(cancelled)?;
     // The truth must be well under what it judges.
-    let smallest = |truth: &Truth| -> Result<f64, StudyError> {
+    let smallest = |truth: &Truth| {
         let rmse = |t: &Trial| crate::quality::rmse(&t.answer.visibility, &truth.visibility);
-        Ok(trials.list.iter().map(rmse).fold(f64::INFINITY, f64::min))
+        trials.list.iter().map(rmse).fold(f64::INFINITY, f64::min)
     };
-    let wanted = smallest(&truth)? / 4.0;
-    if truth.error > wanted && truth.rays < options.truth_rays {
-        truth = find_truth(case, options, wanted, meter, control)?;
+    while truth.error > smallest(&truth) / 4.0 && truth.rays < options.truth_rays {
+        let before = truth.rays;
+        truth = find_truth(case, options, smallest(&truth) / 4.0, meter, control)?;
+        if truth.rays == before {
+            break;
+        }
     }
     meter.say(format!("{}: judging", case.id));
     let evidence = Evidence {
@@ -157,6 +159,16 @@ fn study_case(
     stop_if(cancelled)?;
     meter.case_done();
     Ok(report)
+}
+
+/// What is in the middle of each view.
+fn places<'a>(session: &Session, views: impl Iterator<Item = &'a View>) -> Vec<(String, Vec3)> {
+    let place = |view: &View| {
+        let direction = (view.look_at - view.eye).normalize_or_zero();
+        let hit = session.bvh().nearest(&Ray { origin: view.eye, direction, t_max: f32::INFINITY })?;
+        Some((view.name.clone(), view.eye + hit.t * direction))
+    };
+    views.filter_map(place).collect()
 }
 
 fn find_truth(

@@ -110,7 +110,6 @@ impl Denoised {
 mod tests {
     use super::*;
     use crate::{Pilot, testing::test_case};
-    use std::time::Instant;
 
     /// Prepared for the budgets, with the truth.
     fn prepared(case: &Case, budgets: &[u32]) -> (Denoised, Vec<f32>) {
@@ -146,28 +145,6 @@ mod tests {
             let other = &contender.denoisers.as_ref().unwrap()[usize::from(!contender.guided[&rays])];
             let rejected = contender.denoise(&case, &plain.visibility, other).unwrap();
             assert!(rmse(&rejected, &truth) >= after);
-        }
-    }
-
-    /// Not a check: prints what denoising gains and costs. Run with `--release --ignored --nocapture`.
-    #[test]
-    #[ignore = "prints figures; needs Open Image Denoise: bench/fetch-rivals"]
-    fn figures() {
-        let case = test_case(256);
-        let budgets = [1, 4, 16, 64];
-        let (contender, truth) = prepared(&case, &budgets);
-        for rays in budgets {
-            let timed = |f: &dyn Fn() -> Answer| {
-                let start = Instant::now();
-                (rmse(&f().visibility, &truth), 1e3 * start.elapsed().as_secs_f64())
-            };
-            let (before, before_ms) =
-                timed(&|| trace(&case, rays, Sampling::Sobol, Control::none()).unwrap());
-            let (after, after_ms) = timed(&|| contender.run(&case, rays, Control::none()).unwrap());
-            println!(
-                "{rays} rays: RMSE {before:.4} in {before_ms:.1} ms, denoised {after:.4} in {after_ms:.1} ms, {}",
-                Value::Object(contender.chosen(rays))
-            );
         }
     }
 }

@@ -43,9 +43,9 @@ pub(super) fn fourth(report: &CaseReport) -> String {
         text += &format!("The blend's RMSE is {ours:.2} of that of {name}");
         text += &match theirs {
             Some(theirs) if (ours < 1.0) == (theirs < 1.0) => {
-                format!("; the paper has {theirs:.2}: it agrees. ")
+                format!("; the paper has {theirs:.2}, on the same side of 1. ")
             }
-            Some(theirs) => format!("; the paper has {theirs:.2}: it does not agree. "),
+            Some(theirs) => format!("; the paper has {theirs:.2}, on the other side of 1. "),
             None => ". ".into(),
         };
     }

@@ -54,25 +54,3 @@ fn the_search_finds_the_bottom_of_a_bowl_and_obeys_its_limit() {
     assert_eq!(asked, 5);
     assert_ne!(short.at, aim, "the limit must matter");
 }
-
-/// Not a check: prints what the filter gains and costs. Run with `--release --ignored --nocapture`.
-#[test]
-#[ignore = "prints figures"]
-fn figures() {
-    let case = test_case(256);
-    let (contender, truth) = prepared(&case, &[1, 4, 16, 64]);
-    for rays in [1, 4, 16, 64] {
-        let timed = |f: &dyn Fn() -> Answer| {
-            let start = std::time::Instant::now();
-            (f(), 1e3 * start.elapsed().as_secs_f64())
-        };
-        let (plain, plain_ms) = timed(&|| trace(&case, rays, Sampling::Sobol, Control::none()).unwrap());
-        let (out, ms) = timed(&|| contender.run(&case, rays, Control::none()).unwrap());
-        println!(
-            "{rays} rays: RMSE {:.4} in {plain_ms:.1} ms, filtered {:.4} in {ms:.1} ms, {}",
-            rmse(&plain.visibility, &truth),
-            rmse(&out.visibility, &truth),
-            Value::Object(contender.chosen(rays))
-        );
-    }
-}
