@@ -16,8 +16,8 @@ pub struct Case {
     pub scene: String,
     /// The view.
     pub view: View,
-    /// Places of interest: what is in the middle of the scene's other views, by their names, in world space.
-    pub places: Vec<(String, Vec3)>,
+    /// Places of interest: what the scene's other views show.
+    pub places: Vec<Place>,
     /// What was built for the scene, with BVH and octree; views of one scene share it.
     pub session: Arc<Session>,
     /// The surface points behind the pixels.
@@ -71,5 +71,51 @@ impl Case {
             rays: estimates.iter().map(|e| u64::from(e.rays)).sum(),
             cones: (cones * estimates.len()) as u64,
         })
+    }
+}
+
+/// What another view of the scene shows in its middle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The view.
+    pub view: View,
+    /// How far from its eye the surface in its middle is, in world units.
+    pub distance: f32,
+}
+
+impl Place {
+    /// True for positions in the middle two thirds of the view, at most half as far again as what is in its centre.
+    pub fn shows(&self, position: Vec3) -> bool {
+        let from_eye = position - self.view.eye;
+        let ahead = (self.view.look_at - self.view.eye).normalize_or_zero();
+        let reach = (self.view.vertical_fov_deg.to_radians() / 3.0).cos();
+        from_eye.length() <= 1.5 * self.distance && from_eye.normalize_or_zero().dot(ahead) >= reach
+    }
+}
+
+/// A name made fit for files: letters, digits, `_` and `-` stay, all else becomes `-`.
+pub(crate) fn file_name(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_views_make_no_paths() {
+        assert_eq!(file_name("../a b/c\\d.é"), "---a-b-c-d--");
+        assert_eq!(file_name("front_2"), "front_2");
+    }
+
+    #[test]
+    fn a_place_shows_what_is_near_the_middle_of_its_view() {
+        let (eye, look_at) = (Vec3::ZERO, Vec3::Z);
+        let view = View { name: "near".into(), eye, look_at, up: Vec3::Y, vertical_fov_deg: 60.0 };
+        let place = Place { view, distance: 2.0 };
+        assert!(place.shows(Vec3::new(0.0, 0.5, 2.0)));
+        for outside in [Vec3::new(0.0, 1.0, 2.0), 4.0 * Vec3::Z, Vec3::NEG_Z, Vec3::ZERO] {
+            assert!(!place.shows(outside), "{outside}");
+        }
     }
 }

@@ -48,7 +48,7 @@ mod trials;
 pub mod truth;
 mod write;
 
-pub use case::Case;
+pub use case::{Case, Place};
 pub use contender::{Answer, Contender, Effort, Needs, Preparation};
 pub use error::StudyError;
 pub use fingerprint::{Feed, Fingerprint};

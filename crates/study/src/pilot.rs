@@ -45,7 +45,7 @@ pub struct PilotCone {
     pub epsilon: f32,
     /// The voxels prove that nothing is in the way.
     pub certified: bool,
-    /// By [`PILOT_RAYS`] rays inside it.
+    /// By 256 rays inside it.
     pub truth: f32,
     /// Variance of the mean of 2^k rays of the cone's own sequence, for k from 0.
     pub ray_variance: [f32; VARIANCES],

@@ -3,6 +3,7 @@
 use crate::{
     Case, Contender, Report, StudyError, StudyOptions, StudyScene,
     assemble::{self, Evidence},
+    case::{Place, file_name},
     contenders, machine,
     meter::Meter,
     pilot::Pilot,
@@ -10,7 +11,7 @@ use crate::{
     trials::{self, Store, Trial},
     truth::{Truth, TruthOptions},
 };
-use conray::{AoSettings, Control, Method, Ray, Session, SessionOptions, Vec3, View};
+use conray::{AoSettings, Control, Method, Ray, Session, SessionOptions, View};
 use serde_json::{Map, Value};
 use std::{
     collections::BTreeMap,
@@ -161,12 +162,12 @@ fn study_case(
     Ok(report)
 }
 
-/// What is in the middle of each view.
-fn places<'a>(session: &Session, views: impl Iterator<Item = &'a View>) -> Vec<(String, Vec3)> {
+/// What each view shows, if there is a surface in its middle.
+fn places<'a>(session: &Session, views: impl Iterator<Item = &'a View>) -> Vec<Place> {
     let place = |view: &View| {
         let direction = (view.look_at - view.eye).normalize_or_zero();
         let hit = session.bvh().nearest(&Ray { origin: view.eye, direction, t_max: f32::INFINITY })?;
-        Some((view.name.clone(), view.eye + hit.t * direction))
+        Some(Place { view: view.clone(), distance: hit.t })
     };
     views.filter_map(place).collect()
 }
@@ -195,10 +196,7 @@ pub(crate) fn stop_if(cancelled: &AtomicBool) -> Result<(), StudyError> {
 
 /// Unique and fit for file names.
 fn case_id(scene: &str, view: &str, earlier: &[CaseReport]) -> String {
-    let clean = |text: &str| -> String {
-        text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect()
-    };
-    let id = format!("{}-{}", clean(scene), clean(view));
+    let id = format!("{}-{}", file_name(scene), file_name(view));
     let taken = |id: &str| earlier.iter().any(|case| case.id == id);
     (1..).map(|n| if n == 1 { id.clone() } else { format!("{id}-{n}") }).find(|id| !taken(id)).unwrap_or(id)
 }

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     StudyError,
+    case::file_name,
     picture::Picture,
     pilot,
     report::{Failure, Panel},
@@ -21,7 +22,8 @@ const WINDOW: i64 = 5;
 /// Full scale of the difference pictures.
 const SCALE: f32 = 0.5;
 
-/// The two worst places of each method at one effort, and the worst of each cause for the blend.
+/// The two worst places of each method at one effort, the worst of each cause for the blend, and the worst of what the
+/// scene's other views show from nearby, such as a corner.
 pub(super) fn find(evidence: &Evidence<'_>, pictures: &mut Pictures) -> Result<Vec<Failure>, StudyError> {
     let mut failures = Vec::new();
     for contender in evidence.contenders {
@@ -39,27 +41,18 @@ pub(super) fn find(evidence: &Evidence<'_>, pictures: &mut Pictures) -> Result<V
             failures.push(crop(evidence, trial, place, cause.text().into(), &stem, pictures));
         }
     }
-    for (name, pixel) in places(evidence) {
+    for place in &evidence.case.places {
         for method in ["cones", "paper"] {
             let Some(trial) = judged_trial(evidence, method) else { continue };
-            let cause = format!("{name}: {}", cause_at(evidence, trial, pixel)?);
-            let stem = format!("{method}-place-{name}");
+            let shown = |index: &usize| place.shows(evidence.case.points()[*index].position);
+            let Some(index) = worst_first(evidence, trial).into_iter().find(shown) else { continue };
+            let pixel = evidence.case.points()[index].id;
+            let cause = format!("{}: {}", place.view.name, cause_at(evidence, trial, pixel)?);
+            let stem = format!("{method}-place-{}", file_name(&place.view.name));
             failures.push(crop(evidence, trial, pixel, cause, &stem, pictures));
         }
     }
     Ok(failures)
-}
-
-/// Pixels nearest to the case's places of interest, as far as the view shows them.
-fn places(evidence: &Evidence<'_>) -> Vec<(String, u32)> {
-    let case = evidence.case;
-    let near = 0.03 * case.session.bounds().diagonal();
-    let pixel = |place: conray::Vec3| {
-        let distance = |p: &&conray::SurfacePoint| p.position.distance(place);
-        let nearest = case.points().iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&nearest) <= near).then_some(nearest.id)
-    };
-    case.places.iter().filter_map(|(name, place)| Some((name.clone(), pixel(*place)?))).collect()
 }
 
 /// The effort at which a method is shown: cones as set, the blend's first frame, else the middle of the curve.
@@ -78,22 +71,26 @@ fn judged_trial<'a>(evidence: &'a Evidence<'_>, method: &'a str) -> Option<&'a T
 fn worst_places(evidence: &Evidence<'_>, trial: &Trial) -> Vec<u32> {
     let case = evidence.case;
     let (width, _) = case.size();
-    let squared: Vec<f32> = trial
-        .answer
-        .visibility
-        .iter()
-        .zip(&evidence.truth.visibility)
-        .map(|(v, t)| (v - t) * (v - t))
-        .collect();
-    let pixels = case.pixels(&squared, 0.0);
-    let mut ranked: Vec<(f32, u32)> =
-        case.points().iter().map(|p| (around(&pixels, case.size(), p.id), p.id)).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let apart =
         |a: u32, b: u32| (a % width).abs_diff(b % width) >= SIDE || (a / width).abs_diff(b / width) >= SIDE;
-    let first = ranked.first().map(|p| p.1);
-    let second = ranked.iter().map(|p| p.1).find(|&id| first.is_some_and(|f| apart(f, id)));
+    let ranked = worst_first(evidence, trial);
+    let pixels = || ranked.iter().map(|&index| case.points()[index].id);
+    let first = pixels().next();
+    let second = pixels().find(|&id| first.is_some_and(|f| apart(f, id)));
     first.into_iter().chain(second).collect()
+}
+
+/// Indices of the points by the mean squared error of the square about each, the largest first.
+fn worst_first(evidence: &Evidence<'_>, trial: &Trial) -> Vec<usize> {
+    let case = evidence.case;
+    let pairs = trial.answer.visibility.iter().zip(&evidence.truth.visibility);
+    let squared: Vec<f32> = pairs.map(|(v, t)| (v - t) * (v - t)).collect();
+    let pixels = case.pixels(&squared, 0.0);
+    let mut ranked: Vec<(f32, usize)> = (case.points().iter().enumerate())
+        .map(|(index, p)| (around(&pixels, case.size(), p.id), index))
+        .collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    ranked.into_iter().map(|(_, index)| index).collect()
 }
 
 /// Mean over the square about a pixel, as far as it lies in the image.
