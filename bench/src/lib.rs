@@ -1,7 +1,13 @@
 //! What the measuring programs share: scenes with views, truths kept on disk, runs judged against them.
 
+pub mod agreement;
+pub mod builds;
 pub mod embree;
 pub mod hemispheres;
+pub mod kernels;
+pub mod machine;
+pub mod race;
+pub mod rays;
 
 use conray::{
     AoSettings, Control, Error, Method, Outcome, Session, SessionOptions, SurfacePoint, View,
