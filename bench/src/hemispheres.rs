@@ -163,8 +163,10 @@ mod tests {
         let total = |all: &[Vec3]| all.chunks(16).map(spread).sum::<f32>();
         for order in [Order::Cells, Order::Morton] {
             let sorted = total(&directions.ordered(order).directions);
-            // A sixteenth of the square each: a sixteenth of the variance, or a little more where cells are bent.
-            assert!(sorted < 0.1 * total(&directions.directions), "{order:?}");
+            // Unsorted, sixteen cover the hemisphere: the variance is 1/2 across the normal and 1/18 along it. A sixteenth of
+            // the square has 1/32 across it, a little more where cells are bent, and 0.024 along it in the 12 cells at the
+            // rim, where the squared cosine is uniform up to 7/16: together 0.09 of the whole.
+            assert!(sorted < 0.15 * total(&directions.directions), "{order:?}");
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::hemispheres::Order;
 use conray_core::{SurfacePoint, Vec3};
 
 pub use conray::{Bundles, Single};
-pub use embree::{EmbreeKernel, Mode};
+pub use embree::{EmbreeKernel, Mode, Packing};
 pub use obvhs::Obvhs;
 
 /// Whose kernel it is, which decides how well it must agree and what it is compared with.

@@ -3,7 +3,8 @@
 //! A thread takes a tile of rays over into the kernel's layout, starts the clock, traces, and stops it: making rays,
 //! filling structures and reading answers are in no kernel's time, and the rays lie in the nearest caches when it starts.
 //! All threads trace the same kernel at the same time; their seconds are added and divided by their number. The tiles
-//! of a chunk follow each other, so that a kernel finds its hierarchy as it left it and not as a rival did.
+//! of a chunk follow each other, so that a kernel finds its hierarchy as it left it and not as a rival did. Of each tile the
+//! median over the rounds counts: a tile takes some ten microseconds, so that what else a machine does hits few of them.
 
 use crate::{
     hemispheres::{CHUNK, Directions, Order, Ordered},
@@ -13,8 +14,10 @@ use conray_core::SurfacePoint;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Rays taken over at one go: in Embree's layout 48 kB, which the second-level cache holds.
+/// Rays taken over at one go, in Embree's layout 48 kB, and at least so many points as fill a row of the widest packets:
+/// the second-level cache holds them.
 const TILE_RAYS: usize = 1024;
+const TILE_POINTS: usize = 16;
 
 /// What a kernel did in a race.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,10 +26,12 @@ pub struct Finish {
     pub name: String,
     /// Whose it is.
     pub family: Family,
-    /// Seconds for all rays on all threads: for each chunk the median over the rounds, added up.
+    /// Seconds for all rays on all threads: for each tile the median over the rounds, added up.
     pub seconds: f64,
-    /// Seconds of the fastest and the slowest round.
-    pub spread: (f64, f64),
+    /// The same from the lower and the upper quartiles of the tiles instead of their medians.
+    pub quartiles: (f64, f64),
+    /// Seconds of the fastest and the slowest round as they were, with all that came between.
+    pub rounds: (f64, f64),
     /// Open rays.
     pub open: u64,
     /// Rays on which it and the first kernel do not agree, in the round in which they were most.
@@ -57,15 +62,16 @@ pub fn race(
     rounds: usize,
 ) -> Race {
     assert!(!kernels.is_empty() && rounds > 0, "nothing to race");
-    let mut tallies = vec![Tally::new(rounds); kernels.len()];
-    let mut making = vec![0.0; rounds + 1];
+    let mut tallies = vec![Tally::default(); kernels.len()];
+    let mut making = Vec::new();
     let mut directions = Directions::default();
     for round in 0..=rounds {
+        let mut seconds = 0.0;
         tallies.iter_mut().for_each(Tally::start_round);
         for points in points.chunks(CHUNK) {
             let start = Instant::now();
             directions.draw(points, rays_per_point);
-            making[round] += start.elapsed().as_secs_f64();
+            seconds += start.elapsed().as_secs_f64();
             let orders = Orders::new(&directions, kernels);
             let mut runs: Vec<Option<Run>> = kernels.iter().map(|_| None).collect();
             for step in 0..kernels.len() {
@@ -75,17 +81,16 @@ pub fn race(
             }
             let runs: Vec<Run> = runs.into_iter().flatten().collect();
             for (tally, run) in tallies.iter_mut().zip(&runs) {
-                tally.add(run, &runs[0], round);
+                tally.add(run, &runs[0]);
             }
         }
-        tallies.iter_mut().for_each(Tally::end_round);
+        making.push(seconds);
     }
-    let finish = |(tally, kernel): (Tally, &Box<dyn Kernel + '_>)| tally.finish(&**kernel);
     Race {
         rays_per_point,
         rays: (points.len() * rays_per_point) as u64,
         directions_seconds: median(&mut making[1..]),
-        finishes: tallies.into_iter().zip(kernels).map(finish).collect(),
+        finishes: tallies.into_iter().zip(kernels).map(|(tally, kernel)| tally.finish(&**kernel)).collect(),
     }
 }
 
@@ -110,8 +115,8 @@ impl Orders {
 
 /// A kernel's run over a chunk.
 struct Run {
-    /// Seconds of all threads together, divided by their number.
-    seconds: f64,
+    /// Seconds of each tile on its thread.
+    seconds: Vec<f64>,
     /// Of each ray, in the order in which they were drawn.
     open: Vec<bool>,
 }
@@ -119,12 +124,12 @@ struct Run {
 impl Run {
     fn new(kernel: &dyn Kernel, points: &[SurfacePoint], rays: &Ordered) -> Self {
         let per_point = rays.directions.len() / points.len();
-        let tile_points = (TILE_RAYS / per_point).max(1);
+        let tile_points = (TILE_RAYS / per_point).max(TILE_POINTS);
         let tile_rays = tile_points * per_point;
         let mut open = vec![false; rays.directions.len()];
         let tiles = points.par_chunks(tile_points).zip(rays.directions.par_chunks(tile_rays));
         let places = rays.drawn.par_chunks(tile_rays).zip(open.par_chunks_mut(tile_rays));
-        let seconds: f64 = tiles
+        let seconds = tiles
             .zip(places)
             .map_init(
                 || (kernel.tracer(), Vec::new()),
@@ -141,61 +146,60 @@ impl Run {
                     seconds
                 },
             )
-            .sum();
-        Self { seconds: seconds / rayon::current_num_threads() as f64, open }
+            .collect();
+        Self { seconds, open }
     }
 }
 
 /// Times and answers of a kernel so far.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Tally {
-    rounds: usize,
-    /// By chunk, then by timed round.
-    chunks: Vec<Vec<f64>>,
+    /// By tile, then by timed round.
+    tiles: Vec<Vec<f64>>,
+    /// By round, the first to warm up.
     totals: Vec<f64>,
-    chunk: usize,
+    /// Tiles of this round so far.
+    tile: usize,
     open: u64,
     now_differing: u64,
     differing: u64,
 }
 
 impl Tally {
-    fn new(rounds: usize) -> Self {
-        let totals = vec![0.0; rounds];
-        Self { rounds, chunks: Vec::new(), totals, chunk: 0, open: 0, now_differing: 0, differing: 0 }
-    }
-
     fn start_round(&mut self) {
-        (self.chunk, self.open, self.now_differing) = (0, 0, 0);
+        self.totals.push(0.0);
+        (self.tile, self.open, self.now_differing) = (0, 0, 0);
     }
 
-    fn add(&mut self, run: &Run, reference: &Run, round: usize) {
+    fn add(&mut self, run: &Run, reference: &Run) {
         self.open += run.open.iter().filter(|o| **o).count() as u64;
         self.now_differing += run.open.iter().zip(&reference.open).filter(|(a, b)| a != b).count() as u64;
-        // Round 0 warms up.
-        if round > 0 {
-            if self.chunk == self.chunks.len() {
-                self.chunks.push(Vec::with_capacity(self.rounds));
-            }
-            self.chunks[self.chunk].push(run.seconds);
-            self.totals[round - 1] += run.seconds;
-        }
-        self.chunk += 1;
-    }
-
-    fn end_round(&mut self) {
         self.differing = self.differing.max(self.now_differing);
+        let round = self.totals.len() - 1;
+        self.totals[round] += run.seconds.iter().sum::<f64>();
+        for &seconds in run.seconds.iter().filter(|_| round > 0) {
+            if self.tile == self.tiles.len() {
+                self.tiles.push(Vec::new());
+            }
+            self.tiles[self.tile].push(seconds);
+            self.tile += 1;
+        }
     }
 
     fn finish(mut self, kernel: &dyn Kernel) -> Finish {
+        let threads = rayon::current_num_threads() as f64;
+        let totals = self.totals[1..].iter().map(|seconds| seconds / threads);
+        self.tiles.iter_mut().for_each(|rounds| rounds.sort_by(f64::total_cmp));
+        let at = |share: f64| {
+            let place = |rounds: &Vec<f64>| rounds[(share * (rounds.len() - 1) as f64).round() as usize];
+            self.tiles.iter().map(place).sum::<f64>() / threads
+        };
         Finish {
             name: kernel.name(),
             family: kernel.family(),
-            seconds: self.chunks.iter_mut().map(|rounds| median(rounds)).sum(),
-            spread: (
-                self.totals.iter().copied().fold(f64::INFINITY, f64::min),
-                self.totals.iter().copied().fold(0.0, f64::max),
-            ),
+            seconds: at(0.5),
+            quartiles: (at(0.25), at(0.75)),
+            rounds: (totals.clone().fold(f64::INFINITY, f64::min), totals.fold(0.0, f64::max)),
             open: self.open,
             differing: self.differing,
         }

@@ -5,7 +5,7 @@ use crate::{
     embree::{Device, Embree, SceneFlags},
     hemispheres::{Hemispheres, Order},
     judged,
-    kernels::{Bundles, EmbreeKernel, Kernel, Mode, Obvhs, Single},
+    kernels::{Bundles, EmbreeKernel, Kernel, Mode, Obvhs, Packing, Single},
     race::{self, Finish, Race},
 };
 use conray::{AoSettings, Distance};
@@ -131,13 +131,15 @@ impl Contest {
 
 impl Lineup {
     fn modes(self) -> Vec<(Mode, Order)> {
+        let packets = |coherent, packing| (Mode::Packets { size: 16, coherent, packing }, Order::Morton);
         match self {
             Self::Best => vec![
                 (Mode::Single, Order::Morton),
-                (Mode::Packets { size: 16, coherent: false }, Order::Cells),
-                (Mode::Packets { size: 16, coherent: true }, Order::Cells),
+                packets(false, Packing::Point),
+                packets(false, Packing::Row),
+                packets(true, Packing::Point),
             ],
-            Self::All => Mode::ALL.iter().flat_map(|&mode| Order::ALL.map(|order| (mode, order))).collect(),
+            Self::All => Mode::all().iter().flat_map(|&mode| Order::ALL.map(|order| (mode, order))).collect(),
         }
     }
 }
@@ -150,14 +152,14 @@ pub fn table(race: &Race) -> String {
         race.rays as f64 / race.directions_seconds / 1e6,
         "",
         "Mrays/s",
-        "spread",
+        "quartiles",
         "x Embree",
         "open",
         "differ"
     );
     for finish in &race.finishes {
         let rate = |seconds: f64| race.rays as f64 / seconds / 1e6;
-        let spread = format!("{:.2} to {:.2}", rate(finish.spread.1), rate(finish.spread.0));
+        let spread = format!("{:.2} to {:.2}", rate(finish.quartiles.1), rate(finish.quartiles.0));
         let ratio = race.ratio(finish).map_or("-".into(), |r| format!("{r:.3}"));
         let open = finish.open as f64 / race.rays as f64;
         // Writing to a string cannot fail.
@@ -174,13 +176,15 @@ pub fn table(race: &Race) -> String {
 
 /// Figures of a race for programs.
 pub fn json(race: &Race) -> Value {
+    let rate = |seconds: f64| race.rays as f64 / seconds / 1e6;
     let kernel = |f: &Finish| {
         json!({
             "name": f.name,
             "family": format!("{:?}", f.family).to_lowercase(),
             "mrays_per_second": race.mrays(f),
-            "min": race.rays as f64 / f.spread.1 / 1e6,
-            "max": race.rays as f64 / f.spread.0 / 1e6,
+            "quartiles": [rate(f.quartiles.1), rate(f.quartiles.0)],
+            "min": rate(f.rounds.1),
+            "max": rate(f.rounds.0),
             "times_embree_best": race.ratio(f),
             "open_share": f.open as f64 / race.rays as f64,
             "differing_rays": f.differing,

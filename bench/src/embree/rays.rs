@@ -80,16 +80,13 @@ impl RayHit1 {
 }
 
 impl<const N: usize> Packet<N> {
-    /// `N` rays from one origin.
-    ///
-    /// # Panics
-    /// If there are fewer directions.
-    pub fn new(origin: Vec3, directions: &[Vec3], t_max: f32) -> Self {
-        let axis = |a: usize| std::array::from_fn(|i| directions[i][a]);
+    /// `N` rays of one length, from that many origins into that many directions.
+    pub fn new(origins: [Vec3; N], directions: [Vec3; N], t_max: f32) -> Self {
+        let axes = |v: [Vec3; N]| [0, 1, 2].map(|a| v.map(|v| v[a]));
         Self {
-            origin: [0, 1, 2].map(|a| [origin[a]; N]),
+            origin: axes(origins),
             near: [0.0; N],
-            direction: [0, 1, 2].map(axis),
+            direction: axes(directions),
             time: [0.0; N],
             far: [t_max; N],
             mask: [!0; N],

@@ -40,7 +40,7 @@ fn packets<const N: usize>(embree: &Embree) {
     let up: [bool; N] = std::array::from_fn(|i| i % 3 == 0);
     let directions = up.map(|up| if up { Vec3::Z } else { -Vec3::Z });
     for coherent in [false, true] {
-        let mut packets = [Packet::<N>::new(Vec3::new(10.2, 0.2, 0.0), &directions, 2.0); 2];
+        let mut packets = [Packet::<N>::new([Vec3::new(10.2, 0.2, 0.0); N], directions, 2.0); 2];
         embree.occluded(&mut packets, coherent);
         for packet in packets {
             assert_eq!(packet.open(), up.map(|up| !up), "{N} rays");

@@ -5,7 +5,7 @@ use crate::{
     embree::{Embree, Packet, Ray1},
     hemispheres::Order,
 };
-use conray_core::Ray;
+use conray_core::{Ray, SurfacePoint, Vec3};
 use std::fmt;
 
 /// Which function is called.
@@ -19,29 +19,39 @@ pub enum Mode {
         size: usize,
         /// With `RTC_RAY_QUERY_FLAG_COHERENT`.
         coherent: bool,
+        /// Which rays make a packet.
+        packing: Packing,
     },
+}
+
+/// Which rays make a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// Neighbours in the order of one point's rays: one origin, and a cone of directions.
+    Point,
+    /// Rays at the same place in the order of neighbouring points: almost one direction, and origins in a row.
+    Row,
 }
 
 impl Mode {
     /// Every mode.
-    pub const ALL: [Self; 7] = [
-        Self::Single,
-        Self::Packets { size: 4, coherent: false },
-        Self::Packets { size: 4, coherent: true },
-        Self::Packets { size: 8, coherent: false },
-        Self::Packets { size: 8, coherent: true },
-        Self::Packets { size: 16, coherent: false },
-        Self::Packets { size: 16, coherent: true },
-    ];
+    pub fn all() -> Vec<Self> {
+        let mut modes = vec![Self::Single];
+        for packing in [Packing::Point, Packing::Row] {
+            for size in [4, 8, 16] {
+                modes.extend([false, true].map(|coherent| Self::Packets { size, coherent, packing }));
+            }
+        }
+        modes
+    }
 }
 
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Single => f.write_str("rtcOccluded1"),
-            Self::Packets { size, coherent: false } => write!(f, "rtcOccluded{size}"),
-            Self::Packets { size, coherent: true } => write!(f, "rtcOccluded{size}, coherent"),
-        }
+        let Self::Packets { size, coherent, packing } = self else { return f.write_str("rtcOccluded1") };
+        let hint = if *coherent { ", coherent" } else { "" };
+        let row = if *packing == Packing::Row { ", rows" } else { "" };
+        write!(f, "rtcOccluded{size}{hint}{row}")
     }
 }
 
@@ -74,18 +84,14 @@ impl Kernel for EmbreeKernel<'_> {
     }
 
     fn tracer(&self) -> Box<dyn Tracer + '_> {
-        match self.mode {
-            Mode::Single => Box::new(Singles { kernel: self, rays: Vec::new() }),
-            Mode::Packets { size: 4, coherent } => self.packets::<4>(coherent),
-            Mode::Packets { size: 8, coherent } => self.packets::<8>(coherent),
-            Mode::Packets { coherent, .. } => self.packets::<16>(coherent),
+        let Mode::Packets { size, coherent, packing } = self.mode else {
+            return Box::new(Singles { kernel: self, rays: Vec::new() });
+        };
+        match size {
+            4 => Box::new(Packets::<4>::new(self, coherent, packing)),
+            8 => Box::new(Packets::<8>::new(self, coherent, packing)),
+            _ => Box::new(Packets::<16>::new(self, coherent, packing)),
         }
-    }
-}
-
-impl EmbreeKernel<'_> {
-    fn packets<const N: usize>(&self, coherent: bool) -> Box<dyn Tracer + '_> {
-        Box::new(Packets::<N> { kernel: self, coherent, packets: Vec::new() })
     }
 }
 
@@ -116,18 +122,49 @@ impl Tracer for Singles<'_> {
 struct Packets<'a, const N: usize> {
     kernel: &'a EmbreeKernel<'a>,
     coherent: bool,
+    packing: Packing,
     packets: Vec<Packet<N>>,
+    /// Place in the tile of each packet's rays.
+    places: Vec<[usize; N]>,
+    rays: usize,
+}
+
+impl<'a, const N: usize> Packets<'a, N> {
+    fn new(kernel: &'a EmbreeKernel<'a>, coherent: bool, packing: Packing) -> Self {
+        Self { kernel, coherent, packing, packets: Vec::new(), places: Vec::new(), rays: 0 }
+    }
+
+    /// Places in the tile of the rays of each packet, for that many points with that many rays each.
+    ///
+    /// Points at the end that fill no row have packets of their own.
+    fn place(&mut self, points: usize, rays: usize) {
+        assert!(rays.is_multiple_of(N), "packets of {N} out of {rays} rays");
+        let rows = if self.packing == Packing::Row { points / N } else { 0 };
+        self.places.clear();
+        for row in 0..rows {
+            let first = row * N * rays;
+            self.places.extend((0..rays).map(|i| std::array::from_fn(|p| first + p * rays + i)));
+        }
+        for first in (rows * N * rays..points * rays).step_by(N) {
+            self.places.push(std::array::from_fn(|i| first + i));
+        }
+    }
 }
 
 impl<const N: usize> Tracer for Packets<'_, N> {
     /// Rays of a point that fill no packet would be left out: their number must be a multiple of `N`.
     fn prepare(&mut self, tile: Tile<'_>) {
+        self.rays = tile.directions.len();
+        let rays = self.rays / tile.points.len();
+        self.place(tile.points.len(), rays);
+        let origins: Vec<Vec3> = tile.points.iter().map(SurfacePoint::ray_origin).collect();
+        let packet = |places: &[usize; N]| {
+            let (origins, directions) =
+                (places.map(|i| origins[i / rays]), places.map(|i| tile.directions[i]));
+            Packet::new(origins, directions, self.kernel.distance)
+        };
         self.packets.clear();
-        for (origin, _, directions) in tile.hemispheres() {
-            assert!(directions.len().is_multiple_of(N), "packets of {N} out of {} rays", directions.len());
-            let packets = directions.chunks(N).map(|d| Packet::new(origin, d, self.kernel.distance));
-            self.packets.extend(packets);
-        }
+        self.packets.extend(self.places.iter().map(packet));
     }
 
     fn trace(&mut self) {
@@ -135,6 +172,12 @@ impl<const N: usize> Tracer for Packets<'_, N> {
     }
 
     fn answers(&self, open: &mut Vec<bool>) {
-        open.extend(self.packets.iter().flat_map(Packet::open));
+        let start = open.len();
+        open.resize(start + self.rays, false);
+        for (packet, places) in self.packets.iter().zip(&self.places) {
+            for (&place, answer) in places.iter().zip(packet.open()) {
+                open[start + place] = answer;
+            }
+        }
     }
 }
