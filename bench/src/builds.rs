@@ -8,17 +8,17 @@ use conray_bvh::Bvh;
 use conray_core::Geometry;
 use std::{sync::Arc, time::Instant};
 
-/// Seconds of builds: median, fastest, slowest.
+/// Seconds of something done several times: median, fastest, slowest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BuildSeconds {
+pub struct Seconds {
     /// The middle one.
     pub median: f64,
     /// Fastest and slowest.
     pub spread: (f64, f64),
 }
 
-impl BuildSeconds {
-    /// Of one or more builds.
+impl Seconds {
+    /// Of one or more runs.
     pub fn of(mut seconds: Vec<f64>) -> Self {
         let median = median(&mut seconds);
         let ends = (seconds.first().copied().unwrap_or(0.0), seconds.last().copied().unwrap_or(0.0));
@@ -30,9 +30,9 @@ impl BuildSeconds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Builds {
     /// [`Bvh::build`], from meshes and placements to a hierarchy that answers.
-    pub conray: BuildSeconds,
+    pub conray: Seconds,
     /// `rtcCommitScene` at quality high, with the triangles already in Embree's buffers.
-    pub embree: BuildSeconds,
+    pub embree: Seconds,
 }
 
 impl Builds {
@@ -55,7 +55,7 @@ impl Builds {
                 embree.push(theirs);
             }
         }
-        Ok(Self { conray: BuildSeconds::of(conray), embree: BuildSeconds::of(embree) })
+        Ok(Self { conray: Seconds::of(conray), embree: Seconds::of(embree) })
     }
 
     /// Our time in units of Embree's.

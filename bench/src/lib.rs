@@ -2,12 +2,18 @@
 
 pub mod agreement;
 pub mod builds;
+pub mod cone_sets;
 pub mod embree;
 pub mod hemispheres;
 pub mod kernels;
 pub mod machine;
+pub mod measures;
+pub mod memory;
+pub mod octree_build;
 pub mod race;
 pub mod rays;
+pub mod tiles;
+pub mod whole_program;
 
 use conray::{
     AoSettings, Control, Error, Method, Outcome, Session, SessionOptions, SurfacePoint, View,

@@ -1,7 +1,7 @@
 //! A contest of ray kernels on one scene: who takes part, and what is printed of it.
 
 use crate::{
-    builds::{BuildSeconds, Builds},
+    builds::{Builds, Seconds},
     embree::{Device, Embree, SceneFlags},
     hemispheres::{Hemispheres, Order},
     judged,
@@ -81,6 +81,20 @@ impl Contest {
         race::race(&self.scene.points, rays, &self.kernels(), rounds)
     }
 
+    /// The scene with its points.
+    pub fn scene(&self) -> &Hemispheres {
+        &self.scene
+    }
+
+    /// Million rays a second of `rtcOccluded1` on the first of Embree's devices.
+    pub fn single_mrays(&self, rays: usize, rounds: usize) -> f64 {
+        let (variant, embree) = &self.embrees[0];
+        let (mode, order, distance) = (Mode::Single, Order::Morton, self.scene.distance);
+        let kernel = EmbreeKernel { embree, variant, mode, order, distance };
+        let race = race::race(&self.scene.points, rays, &[Box::new(kernel)], rounds);
+        race.mrays(&race.finishes[0])
+    }
+
     /// Ours first: the others are judged by its answers.
     fn kernels(&self) -> Vec<Box<dyn Kernel + '_>> {
         let (bvh, distance) = (self.scene.session.bvh(), self.scene.distance);
@@ -97,8 +111,7 @@ impl Contest {
 
     /// The scene and its builds, for people.
     pub fn heading(&self) -> String {
-        let seconds =
-            |b: &BuildSeconds| format!("{:.3} s ({:.3} to {:.3})", b.median, b.spread.0, b.spread.1);
+        let seconds = |b: &Seconds| format!("{:.3} s ({:.3} to {:.3})", b.median, b.spread.0, b.spread.1);
         format!(
             "{}: {} triangles, {} points, distance {}\n  builds: conray {}, Embree {}, ratio {:.2}; obvhs {:.2} s",
             self.scene.name,
@@ -114,7 +127,7 @@ impl Contest {
 
     /// The scene and its builds, for programs.
     pub fn json(&self) -> Value {
-        let seconds = |b: &BuildSeconds| json!({ "median": b.median, "min": b.spread.0, "max": b.spread.1 });
+        let seconds = |b: &Seconds| json!({ "median": b.median, "min": b.spread.0, "max": b.spread.1 });
         json!({
             "name": self.scene.name,
             "triangles": self.scene.session.geometry().triangle_count(),
