@@ -12,6 +12,7 @@ pub mod memory;
 pub mod octree_build;
 pub mod race;
 pub mod rays;
+pub mod scale;
 pub mod tiles;
 pub mod whole_program;
 
