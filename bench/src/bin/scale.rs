@@ -3,7 +3,7 @@
 //! `cargo run --release -p conray-bench --bin scale -- [-o docs/images] [--ask triangles,distance] [--json FILE]`
 //!
 //! Prints a table for each question with the exponents that fit best, and writes `scale-*.svg` into the folder. Built-in
-//! scenes are cut finer and finer, up to 20 million triangles: that takes about 8 GB of memory and some minutes;
+//! scenes are cut finer and finer, up to 20 million triangles: that takes 5 GB of memory and ten minutes;
 //! `--most-triangles 1000000` takes less of both.
 
 use clap::{Parser, ValueEnum};

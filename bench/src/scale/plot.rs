@@ -18,7 +18,7 @@ const STYLE: &str = "text{font:13px sans-serif;fill:#222}.title{font-size:15px;f
 /// The plot, with a legend that tells each series' exponent.
 pub(super) fn draw(answer: &Answer) -> String {
     let all = || answer.series.iter().flat_map(|s| &s.points);
-    let (Some(x), Some(y)) = (Axis::around(all().map(|p| p[0])), Axis::around(all().map(|p| p[1]))) else {
+    let (Some(x), Some(y)) = (Axis::at(all().map(|p| p[0])), Axis::around(all().map(|p| p[1]))) else {
         return String::from(r#"<svg xmlns="http://www.w3.org/2000/svg"/>"#);
     };
     let at =
@@ -87,7 +87,12 @@ fn name(series: &Series) -> String {
 struct Axis {
     from: f64,
     to: f64,
+    /// Values that are labelled; round numbers where there are none.
+    labelled: Vec<f64>,
 }
+
+/// More different values than this are not labelled one by one.
+const MOST_LABELS: usize = 10;
 
 impl Axis {
     /// From and to the round numbers around all values; `None` where there is none above 0.
@@ -99,8 +104,18 @@ impl Axis {
         (most > 0.0).then(|| {
             let from = steps().rev().find(|s| *s <= least * 1.000_001).unwrap_or(least);
             let to = steps().find(|s| *s >= most * 0.999_999 && *s > from).unwrap_or(most);
-            Self { from, to }
+            Self { from, to, labelled: Vec::new() }
         })
+    }
+
+    /// A little more than all values, with a label at each where they are few.
+    fn at(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let (from, to) = (values.first()? / 1.2, values.last()? * 1.2);
+        let labelled = if values.len() > MOST_LABELS { Vec::new() } else { values };
+        Some(Self { from, to, labelled })
     }
 
     /// From 0 at the start to 1 at the end.
@@ -108,12 +123,14 @@ impl Axis {
         (value / self.from).ln() / (self.to / self.from).ln()
     }
 
-    /// Round numbers within: 1, 2, 5 where there is room, otherwise powers of ten.
-    fn ticks(&self) -> impl Iterator<Item = (f64, String)> {
+    /// What is to be labelled, or round numbers within: 1, 2, 5 where there is room, otherwise powers of ten.
+    fn ticks(&self) -> Vec<(f64, String)> {
         let (from, to) = (self.from * 0.999, self.to * 1.001);
         let sparse = to / from > 1000.0;
-        let shown = move |s: &f64| (from..=to).contains(s) && (!sparse || s.log10().fract().abs() < 1e-9);
-        steps().filter(shown).map(|s| (s, label(s)))
+        let round = |s: &f64| (from..=to).contains(s) && (!sparse || s.log10().fract().abs() < 1e-9);
+        let values =
+            if self.labelled.is_empty() { steps().filter(round).collect() } else { self.labelled.clone() };
+        values.into_iter().map(|s| (s, label(s))).collect()
     }
 }
 
@@ -125,7 +142,7 @@ fn steps() -> impl DoubleEndedIterator<Item = f64> {
 fn label(value: f64) -> String {
     match value {
         1e6.. => format!("{} M", value / 1e6),
-        1e3.. => format!("{} k", value / 1e3),
+        1e4.. => format!("{} k", value / 1e3),
         _ => format!("{}", (value * 1e6).round() / 1e6),
     }
 }
@@ -170,11 +187,14 @@ mod tests {
     #[test]
     fn ticks_are_round_and_within() {
         let labels: Vec<String> =
-            Axis::around([3.0, 40.0].into_iter()).unwrap().ticks().map(|t| t.1).collect();
+            Axis::around([3.0, 40.0].into_iter()).unwrap().ticks().into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["2", "5", "10", "20", "50"]);
         let wide: Vec<String> =
-            Axis::around([12_000.0, 2e7].into_iter()).unwrap().ticks().map(|t| t.1).collect();
+            Axis::around([12_000.0, 2e7].into_iter()).unwrap().ticks().into_iter().map(|t| t.1).collect();
         assert_eq!(wide, ["10 k", "100 k", "1 M", "10 M"]);
+        let few: Vec<String> =
+            Axis::at([512.0, 128.0, 512.0].into_iter()).unwrap().ticks().into_iter().map(|t| t.1).collect();
+        assert_eq!(few, ["128", "512"]);
     }
 
     #[test]
