@@ -57,17 +57,21 @@ impl Order {
                 let side = (rays as f32 / 16.0).max(1.0).sqrt().floor();
                 ((square.x * side) as u64) << 32 | (square.y * side) as u64
             }
-            Self::Morton => morton(square),
-            Self::Octants => u64::from(direction.is_negative_bitmask()) << 32 | morton(square),
+            Self::Morton => u64::from(morton(square)),
+            Self::Octants => u64::from(direction.is_negative_bitmask()) << 32 | u64::from(morton(square)),
         }
     }
 }
 
 /// Morton code of a point of the unit square, 16 bits an axis.
-fn morton(square: Vec2) -> u64 {
+fn morton(square: Vec2) -> u32 {
+    // Each bit moves to twice its place, a half of the word at a time.
     let spread = |v: f32| {
-        let v = (v * 65536.0) as u64 & 0xffff;
-        (0..16).fold(0, |bits, i| bits | (v >> i & 1) << (2 * i))
+        let mut bits = ((v * 65536.0) as u32).min(0xffff);
+        bits = (bits | bits << 8) & 0x00ff_00ff;
+        bits = (bits | bits << 4) & 0x0f0f_0f0f;
+        bits = (bits | bits << 2) & 0x3333_3333;
+        (bits | bits << 1) & 0x5555_5555
     };
     spread(square.x) | spread(square.y) << 1
 }
@@ -149,6 +153,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn morton_codes_interleave_bits() {
+        let code = |x: u32, y: u32| morton(Vec2::new(x as f32, y as f32) / 65536.0);
+        let slowly = |x: u32, y: u32| {
+            (0..16).fold(0, |c, i| c | (x >> i & 1) << (2 * i) | (y >> i & 1) << (2 * i + 1))
+        };
+        for (x, y) in [(0, 0), (1, 0), (0, 1), (0xffff, 0), (0x1234, 0xfedc), (0xffff, 0xffff)] {
+            assert_eq!(code(x, y), slowly(x, y), "{x} {y}");
+        }
+        assert_eq!(morton(Vec2::ONE), !0, "the edge belongs to the last cell");
     }
 
     #[test]

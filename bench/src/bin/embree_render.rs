@@ -66,6 +66,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Share of the rays of a point that are open: conray's directions, sorted into cells of sixteen.
+///
+/// Seconds of user time on Sponza: 7.2 so, 7.4 with the cells sorted by counting in kept memory, 7.8 in full Morton order,
+/// which costs more to sort than it saves in tracing.
 fn visibility(embree: &Embree, point: &SurfacePoint, rays: u32, distance: f32) -> f32 {
     let (origin, frame) = (point.ray_origin(), Frame::from_normal(point.shading_normal));
     // As conray draws them with its default seed.
