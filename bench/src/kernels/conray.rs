@@ -2,7 +2,7 @@
 
 use super::{Family, Kernel, Tile, Tracer};
 use crate::hemispheres::Order;
-use conray_bvh::{BUNDLE_RAYS, Bvh};
+use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
 use conray_core::{Ray, Vec3};
 
 /// Single rays: the reference, as its answers are exact.
@@ -76,47 +76,49 @@ impl Kernel for Bundles<'_> {
     }
 
     fn order(&self) -> Order {
-        Order::Cells
+        Order::Morton
     }
 
     fn tracer(&self) -> Box<dyn Tracer + '_> {
-        Box::new(BundleTracer {
-            kernel: self,
-            bundles: Vec::new(),
-            directions: Vec::new(),
-            passing: Vec::new(),
-        })
+        Box::new(BundleTracer { kernel: self, bundles: Vec::new(), used: 0, passing: Vec::new() })
     }
 }
 
 struct BundleTracer<'a> {
     kernel: &'a Bundles<'a>,
-    /// Origin, normal and number of rays.
-    bundles: Vec<(Vec3, Vec3, usize)>,
-    directions: Vec<Vec3>,
+    /// Origin, normal and directions; those beyond `used` are kept for later tiles.
+    bundles: Vec<(Vec3, Vec3, Directions)>,
+    used: usize,
     /// Share of light that passes along each ray.
     passing: Vec<f32>,
 }
 
 impl Tracer for BundleTracer<'_> {
     fn prepare(&mut self, tile: Tile<'_>) {
-        self.bundles.clear();
+        let (mut used, mut rays) = (0, 0);
         for (origin, point, directions) in tile.hemispheres() {
-            let sizes = directions.chunks(BUNDLE_RAYS).map(<[Vec3]>::len);
-            self.bundles.extend(sizes.map(|rays| (origin, point.geometric_normal, rays)));
+            for directions in directions.chunks(BUNDLE_RAYS) {
+                if used == self.bundles.len() {
+                    self.bundles.push((origin, point.geometric_normal, Directions::new()));
+                }
+                let bundle = &mut self.bundles[used];
+                (bundle.0, bundle.1) = (origin, point.geometric_normal);
+                bundle.2.clear();
+                bundle.2.extend(directions.iter().copied());
+                used += 1;
+                rays += directions.len();
+            }
         }
-        self.directions.clear();
-        self.directions.extend(tile.directions);
-        self.passing.resize(self.directions.len(), 0.0);
+        self.used = used;
+        self.passing.resize(rays, 0.0);
     }
 
     fn trace(&mut self) {
-        let (mut directions, mut passing) = (&self.directions[..], &mut self.passing[..]);
-        for &(origin, normal, rays) in &self.bundles {
-            let (now, later) = directions.split_at(rays);
-            let (found, to_find) = passing.split_at_mut(rays);
-            self.kernel.bvh.transmittances(origin, normal, now, self.kernel.distance, found);
-            (directions, passing) = (later, to_find);
+        let mut passing = &mut self.passing[..];
+        for (origin, normal, directions) in &self.bundles[..self.used] {
+            let (found, to_find) = passing.split_at_mut(directions.len());
+            self.kernel.bvh.transmittances(*origin, *normal, directions, self.kernel.distance, found);
+            passing = to_find;
         }
     }
 

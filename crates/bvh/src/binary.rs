@@ -1,7 +1,7 @@
 //! Two-way tree over boxes, from the top down, by the surface area heuristic over bins.
 //!
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. Every item becomes a leaf of its own;
-//! which leaves to join is decided later, when the tree is made four-wide. Work and depth are bounded for every input
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. Leaves are small groups of items; which of
+//! them to join is decided later, when the tree is made sixteen-wide. Work and depth are bounded for every input
 //! (coincident and nested boxes included, which make agglomerative builders quadratic), and the tree is the same for
 //! any number of threads: threads share out subtrees, never a decision.
 
@@ -9,14 +9,16 @@ use conray_core::{Bounds, Vec3};
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
-use rayon::join;
+use rayon::{join, prelude::*};
 
-/// Bins per axis.
+/// Bins per axis, and for few items.
 const BINS: usize = 16;
+const FEW_BINS: usize = 8;
+const FEW_ITEMS: usize = 32;
 /// From this depth on items are split by count, which bounds the depth of all trees.
 const MEDIAN_DEPTH: u32 = 40;
 /// Subtrees of fewer items are built by one thread.
-const PARALLEL_ITEMS: usize = 4096;
+const PARALLEL_ITEMS: usize = 8192;
 
 #[inline]
 fn half_area(lo: Vec3A, hi: Vec3A) -> f32 {
@@ -54,19 +56,59 @@ impl Box3 {
     }
 }
 
-/// Builds the tree over non-empty, finite boxes: `2 n - 1` nodes in the layout of [`obvhs`], none for no items.
-///
-/// The root is node 0 and children lie side by side. A leaf's `first_index` is its one item. Boxes are scaled to about
-/// [-1, 1]: a guide for the heuristics, no bounds.
-pub(crate) fn build(boxes: &[Bounds]) -> Vec<Bvh2Node> {
-    if boxes.is_empty() {
-        return Vec::new();
+/// Boxes of some items and of their centres.
+#[derive(Clone, Copy)]
+struct Extent {
+    whole: Box3,
+    centres: Box3,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { whole: Box3::EMPTY, centres: Box3::EMPTY };
+
+    #[inline]
+    fn add(&mut self, item: &Item) {
+        self.whole.add(item.lo, item.hi);
+        self.centres.add(item.centre(), item.centre());
     }
-    let mut items = scaled_items(boxes);
-    let mut nodes = vec![Bvh2Node::default(); 2 * items.len() - 1];
-    let (root, rest) = nodes.split_first_mut().expect("there is at least one item");
-    build_subtree(root, rest, 1, &mut items, 0);
-    nodes
+
+    fn of(items: &[Item]) -> Self {
+        items.iter().fold(Self::EMPTY, |mut all, item| {
+            all.add(item);
+            all
+        })
+    }
+}
+
+/// A two-way tree and the order in which its leaves hold the items.
+///
+/// The root is node 0 and children lie side by side. A leaf's items are `order[first_index..][..prim_count]`. Boxes are
+/// scaled to about [-1, 1]: a guide for the heuristics, no bounds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BinaryTree {
+    pub(crate) nodes: Vec<Bvh2Node>,
+    pub(crate) order: Vec<u32>,
+}
+
+impl BinaryTree {
+    /// Builds the tree over non-empty, finite boxes; empty for none. Groups of up to `group` items are not split.
+    pub(crate) fn build(boxes: &[Bounds], group: u32) -> Self {
+        if boxes.is_empty() {
+            return Self::default();
+        }
+        let mut items = scaled_items(boxes);
+        let extent = Extent::of(&items);
+        let mut nodes = Vec::with_capacity(boxes.len());
+        nodes.push(Bvh2Node::default());
+        nodes[0] = Builder { group: group as usize }.subtree(&mut nodes, &mut items, &extent, 0, 0);
+        Self { nodes, order: items.iter().map(|item| item.index).collect() }
+    }
+
+    /// Items of a leaf.
+    #[inline]
+    pub(crate) fn items(&self, leaf: &Bvh2Node) -> &[u32] {
+        &self.order[leaf.first_index as usize..][..leaf.prim_count as usize]
+    }
 }
 
 /// Boxes scaled into about [-1, 1], so that areas neither overflow nor vanish.
@@ -76,62 +118,110 @@ fn scaled_items(boxes: &[Bounds]) -> Vec<Item> {
     let (centre, half) = (0.5 * (lo + hi), 0.5 * (hi - lo).max_element());
     let scale = if half > 0.0 { 1.0 / half } else { 0.0 };
     let scaled = |p: Vec3| Vec3A::from(((p.as_dvec3() - centre) * DVec3::splat(scale)).as_vec3());
-    (0..).zip(boxes).map(|(index, b)| Item { lo: scaled(b.min), hi: scaled(b.max), index }).collect()
+    let item =
+        |(index, b): (usize, &Bounds)| Item { lo: scaled(b.min), hi: scaled(b.max), index: index as u32 };
+    boxes.par_iter().enumerate().map(item).collect()
 }
 
-/// Fills `node` and its descendants, which take exactly the slots `rest`; the first of those has index `first`.
-fn build_subtree(node: &mut Bvh2Node, rest: &mut [Bvh2Node], first: u32, items: &mut [Item], depth: u32) {
-    let (mut whole, mut centres) = (Box3::EMPTY, Box3::EMPTY);
-    for item in items.iter() {
-        whole.add(item.lo, item.hi);
-        centres.add(item.centre(), item.centre());
+/// Builds subtrees.
+struct Builder {
+    group: usize,
+}
+
+impl Builder {
+    /// The node of some items, of which the first is number `first` of all; its descendants go to the end of `nodes`.
+    fn subtree(
+        &self,
+        nodes: &mut Vec<Bvh2Node>,
+        items: &mut [Item],
+        extent: &Extent,
+        first: u32,
+        depth: u32,
+    ) -> Bvh2Node {
+        let aabb = Aabb::new(extent.whole.lo, extent.whole.hi);
+        if items.len() <= self.group {
+            return Bvh2Node::new(aabb, items.len() as u32, first);
+        }
+        let (middle, left, right) = split(items, extent, depth);
+        let (left_items, right_items) = items.split_at_mut(middle);
+        let right_first = first + middle as u32;
+        let children = nodes.len();
+        nodes.extend([Bvh2Node::default(); 2]);
+        if left_items.len() + right_items.len() >= PARALLEL_ITEMS {
+            let ((a, below_a), (b, below_b)) = join(
+                || self.apart(left_items, &left, first, depth + 1),
+                || self.apart(right_items, &right, right_first, depth + 1),
+            );
+            nodes[children] = moved(nodes, &a, &below_a);
+            nodes[children + 1] = moved(nodes, &b, &below_b);
+        } else {
+            nodes[children] = self.subtree(nodes, left_items, &left, first, depth + 1);
+            nodes[children + 1] = self.subtree(nodes, right_items, &right, right_first, depth + 1);
+        }
+        Bvh2Node::new(aabb, 0, children as u32)
     }
-    let aabb = Aabb::new(whole.lo, whole.hi);
-    if let [item] = items {
-        *node = Bvh2Node::new(aabb, 1, item.index);
-        return;
-    }
-    *node = Bvh2Node::new(aabb, 0, first);
-    let middle = split(items, &centres, depth);
-    let (left_items, right_items) = items.split_at_mut(middle);
-    let (children, rest) = rest.split_at_mut(2);
-    let (left_rest, right_rest) = rest.split_at_mut(2 * middle - 2);
-    let [left, right] = children else { unreachable!("split_at_mut(2) gives two") };
-    let right_first = first + 2 * middle as u32;
-    let parallel = left_items.len() + right_items.len() >= PARALLEL_ITEMS;
-    let mut build_left = || build_subtree(left, left_rest, first + 2, left_items, depth + 1);
-    let mut build_right = || build_subtree(right, right_rest, right_first, right_items, depth + 1);
-    if parallel {
-        join(build_left, build_right);
-    } else {
-        build_left();
-        build_right();
+
+    /// A subtree in a list of its own, but for its root.
+    fn apart(
+        &self,
+        items: &mut [Item],
+        extent: &Extent,
+        first: u32,
+        depth: u32,
+    ) -> (Bvh2Node, Vec<Bvh2Node>) {
+        let mut nodes = Vec::with_capacity(items.len());
+        let root = self.subtree(&mut nodes, items, extent, first, depth);
+        (root, nodes)
     }
 }
 
-/// Reorders two or more items and returns how many go left: at least one and not all.
-fn split(items: &mut [Item], centres: &Box3, depth: u32) -> usize {
+/// Puts a subtree's list at the end of another, and gives its root as it then must be.
+fn moved(nodes: &mut Vec<Bvh2Node>, root: &Bvh2Node, below: &[Bvh2Node]) -> Bvh2Node {
+    let offset = nodes.len() as u32;
+    let shifted = |node: &Bvh2Node| {
+        let mut node = *node;
+        if !node.is_leaf() {
+            node.first_index += offset;
+        }
+        node
+    };
+    nodes.extend(below.iter().map(shifted));
+    shifted(root)
+}
+
+/// Reorders two or more items; how many go left - at least one and not all - and the extents of both sides.
+fn split(items: &mut [Item], extent: &Extent, depth: u32) -> (usize, Extent, Extent) {
+    if let Some(found) = split_by_area(items, extent, depth) {
+        return found;
+    }
     let half = items.len() / 2;
-    if items.len() == 2 {
-        return 1;
-    }
-    let extent = centres.hi - centres.lo;
-    // Coincident centres, or a difference so small that its reciprocal overflows.
-    if extent.max_element() < f32::MIN_POSITIVE * 1e6 {
-        return half;
-    }
-    if depth >= MEDIAN_DEPTH {
-        let axis = longest_axis(extent);
+    let size = extent.centres.hi - extent.centres.lo;
+    // Coincident centres may stay in any order.
+    if size.max_element() > 0.0 {
+        let axis = longest_axis(size);
         items.select_nth_unstable_by(half, |a, b| {
             a.centre()[axis].total_cmp(&b.centre()[axis]).then(a.index.cmp(&b.index))
         });
-        return half;
     }
-    let bins = if items.len() < 16 { 8 } else { BINS };
-    let Some((axis, boundary)) = best_split(items, centres, bins) else { return half };
-    let binner = Binner::new(centres, bins);
-    let middle = partition(items, |item| binner.bins(item)[axis] < boundary);
-    if middle == 0 || middle == items.len() { half } else { middle }
+    (half, Extent::of(&items[..half]), Extent::of(&items[half..]))
+}
+
+/// `None` where areas do not tell, or the tree is deep enough already.
+fn split_by_area(items: &mut [Item], extent: &Extent, depth: u32) -> Option<(usize, Extent, Extent)> {
+    let size = extent.centres.hi - extent.centres.lo;
+    // Coincident centres, or a difference so small that its reciprocal overflows.
+    if size.max_element() < f32::MIN_POSITIVE * 1e6 || depth >= MEDIAN_DEPTH {
+        return None;
+    }
+    let bins = if items.len() < FEW_ITEMS { FEW_BINS } else { BINS };
+    let binner = Binner::new(&extent.centres, bins);
+    let (axis, boundary) = if bins == FEW_BINS {
+        best_split::<FEW_BINS>(items, &binner)?
+    } else {
+        best_split::<BINS>(items, &binner)?
+    };
+    let found = partition(items, |item| binner.bins(item)[axis] < boundary);
+    (found.0 > 0 && found.0 < items.len()).then_some(found)
 }
 
 fn longest_axis(extent: Vec3A) -> usize {
@@ -167,30 +257,29 @@ impl Binner {
 }
 
 /// Axis and first bin on the right of the cheapest split: area times count, summed over both sides.
-fn best_split(items: &[Item], centres: &Box3, bins: usize) -> Option<(usize, usize)> {
-    let binner = Binner::new(centres, bins);
-    let mut counts = [[0u32; BINS]; 3];
-    let mut boxes = [[Box3::EMPTY; BINS]; 3];
+fn best_split<const N: usize>(items: &[Item], binner: &Binner) -> Option<(usize, usize)> {
+    let mut counts = [[0u32; N]; 3];
+    let mut boxes = [[Box3::EMPTY; N]; 3];
     for item in items {
         let b = binner.bins(item);
         for axis in 0..3 {
-            let bin = b[axis].min(BINS - 1);
+            let bin = b[axis].min(N - 1);
             counts[axis][bin] += 1;
             boxes[axis][bin].add(item.lo, item.hi);
         }
     }
     let mut best: Option<(f32, usize, usize)> = None;
     for axis in 0..3 {
-        let mut right_costs = [0.0f32; BINS];
+        let mut right_costs = [0.0f32; N];
         let (mut right, mut count) = (Box3::EMPTY, 0);
-        for bin in (1..bins).rev() {
+        for bin in (1..N).rev() {
             right.add(boxes[axis][bin].lo, boxes[axis][bin].hi);
             count += counts[axis][bin];
             right_costs[bin] =
                 if count == 0 { f32::INFINITY } else { half_area(right.lo, right.hi) * count as f32 };
         }
         let (mut left, mut count) = (Box3::EMPTY, 0);
-        for bin in 1..bins {
+        for bin in 1..N {
             left.add(boxes[axis][bin - 1].lo, boxes[axis][bin - 1].hi);
             count += counts[axis][bin - 1];
             if count == 0 {
@@ -205,18 +294,21 @@ fn best_split(items: &[Item], centres: &Box3, bins: usize) -> Option<(usize, usi
     best.map(|(_, axis, bin)| (axis, bin))
 }
 
-/// Moves the items that satisfy `is_left` to the front and returns how many there are.
-fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+/// Moves the items that satisfy `is_left` to the front: how many they are, and the extents of both parts.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> (usize, Extent, Extent) {
     let (mut left, mut right) = (0, items.len());
+    let mut extents = (Extent::EMPTY, Extent::EMPTY);
     while left < right {
         if is_left(&items[left]) {
+            extents.0.add(&items[left]);
             left += 1;
         } else {
+            extents.1.add(&items[left]);
             right -= 1;
             items.swap(left, right);
         }
     }
-    left
+    (left, extents.0, extents.1)
 }
 
 #[cfg(test)]
@@ -232,8 +324,9 @@ mod tests {
         }
     }
 
-    fn leaves(nodes: &[Bvh2Node]) -> Vec<u32> {
-        let mut items: Vec<u32> = nodes.iter().filter(|n| n.is_leaf()).map(|n| n.first_index).collect();
+    fn leaves(tree: &BinaryTree) -> Vec<u32> {
+        let leaves = tree.nodes.iter().filter(|n| n.is_leaf());
+        let mut items: Vec<u32> = leaves.flat_map(|n| tree.items(n)).copied().collect();
         items.sort_unstable();
         items
     }
@@ -254,10 +347,11 @@ mod tests {
         let cases: [&dyn Fn(u32) -> Bounds; 4] = [&nested, &same, &geometric, &huge];
         for (case, make) in cases.iter().enumerate() {
             let boxes: Vec<Bounds> = (0..n).map(make).collect();
-            let nodes = build(&boxes);
-            assert_eq!(nodes.len(), 2 * n as usize - 1);
-            assert_eq!(leaves(&nodes), (0..n).collect::<Vec<_>>(), "case {case}");
-            assert!(depth(&nodes, 0) <= MEDIAN_DEPTH + 16, "case {case}: {}", depth(&nodes, 0));
+            let tree = BinaryTree::build(&boxes, 3);
+            assert_eq!(leaves(&tree), (0..n).collect::<Vec<_>>(), "case {case}");
+            assert!(tree.nodes.iter().all(|n| n.prim_count as usize <= 3));
+            let depth = depth(&tree.nodes, 0);
+            assert!(depth <= MEDIAN_DEPTH + 16, "case {case}: {depth}");
         }
     }
 
@@ -265,7 +359,7 @@ mod tests {
     fn two_far_clusters_part_first() {
         let at = |x: f32| Bounds { min: Vec3::splat(x), max: Vec3::splat(x + 1.0) };
         let boxes: Vec<Bounds> = (0..64).map(|i| at(if i % 2 == 0 { 0.0 } else { 100.0 })).collect();
-        let nodes = build(&boxes);
+        let nodes = BinaryTree::build(&boxes, 1).nodes;
         let root = nodes[0];
         let [left, right] = [nodes[root.first_index as usize], nodes[root.first_index as usize + 1]];
         assert!(left.aabb.max.x < right.aabb.min.x || right.aabb.max.x < left.aabb.min.x);
@@ -273,6 +367,6 @@ mod tests {
 
     #[test]
     fn nothing_makes_nothing() {
-        assert!(build(&[]).is_empty());
+        assert!(BinaryTree::build(&[], 3).nodes.is_empty());
     }
 }

@@ -170,7 +170,11 @@ fn triangles_of(
         let id = TriangleId::new(instance, triangle as u32, opaque);
         PlacedTriangle { corners, id }
     };
-    (0..mesh.triangles().len()).map(placed).filter(PlacedTriangle::has_three_corners).collect()
+    (0..mesh.triangles().len())
+        .into_par_iter()
+        .map(placed)
+        .filter(PlacedTriangle::has_three_corners)
+        .collect()
 }
 
 fn check_counts(geometry: &Geometry) -> Result<(), BvhError> {

@@ -4,6 +4,7 @@ use crate::blas::TriangleTree;
 use crate::build::{self, BvhError};
 use crate::top::TopLevel;
 use conray_core::{Bounds, Geometry};
+use fearless_simd::Level;
 use std::sync::Arc;
 
 /// Two-level bounding volume hierarchy over a [`Geometry`].
@@ -18,6 +19,10 @@ pub struct Bvh {
     /// Trees of instanced meshes.
     pub(crate) trees: Vec<TriangleTree>,
     pub(crate) top: TopLevel,
+    /// Which SIMD instructions the queries use.
+    pub(crate) level: Level,
+    /// A length that no distance within the scene exceeds by much.
+    pub(crate) reach: f32,
     stats: BvhStats,
 }
 
@@ -32,7 +37,7 @@ pub struct BvhStats {
     pub triangles: u64,
     /// Triangles that rays meet, counted in each placement.
     pub placed_triangles: u64,
-    /// Packets of up to four triangles.
+    /// Packets of up to sixteen triangles.
     pub packets: u64,
     /// Placements that are not flattened.
     pub instances: u64,
@@ -78,7 +83,20 @@ impl Bvh {
             stats.placed_triangles += tree.triangles;
             stats.levels = stats.levels.max(top.tree.levels + tree.tree.levels);
         }
-        Self { geometry, flat, trees, top, stats }
+        let reach = flat.tree.bounds.union(top.tree.bounds).diagonal();
+        Self { reach, geometry, flat, trees, top, level: Level::new(), stats }
+    }
+
+    /// The same hierarchy with queries at a level of SIMD of the caller's choice; at first it is the processor's best.
+    /// Answers are the same bits at every level.
+    pub fn at_level(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
+    /// The level of SIMD of the queries.
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// What is searched.

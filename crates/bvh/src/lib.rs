@@ -2,7 +2,8 @@
 //!
 //! [`Bvh::build`] takes a [`Geometry`](conray_core::Geometry); [`Bvh::nearest`] finds what a camera sees,
 //! [`Bvh::transmittance`] what of the light along a ray gets through, [`Bvh::visibility`] the same with a falloff, and
-//! [`Bvh::surface_point`] makes a surface point of a hit. All surfaces count from both sides. Hits lie at
+//! [`Bvh::surface_point`] makes a surface point of a hit; [`Bvh::transmittances`] answers for up to 64 rays of one origin at
+//! once, and many times faster. All surfaces count from both sides. Hits lie at
 //! `0 < t < t_max`, in world units for the unit directions that [`Ray`](conray_core::Ray) asks for, in scaled, sheared
 //! and mirrored instances too.
 //!
@@ -52,15 +53,19 @@
 //!
 //! # Where to find what
 //!
-//! `build.rs` decides what is flattened; `binary.rs`, `refine.rs` and `wide.rs` make trees; `node.rs` and `packet.rs` are
-//! the memory layout; `traverse.rs` walks it, `triangle.rs` tests triangles, `hits.rs` is what queries do with hits.
+//! `build.rs` decides what is flattened; `binary.rs`, `refine.rs`, `collapse.rs` and `wide.rs` make trees; `lanes.rs`, `node.rs`
+//! and `packet.rs` are the memory layout; `traverse.rs` walks it for single rays, `triangle.rs` tests triangles, `hits.rs` is
+//! what queries do with hits. `bundle.rs` and the folder beside it trace up to 64 rays of one origin together. Everything
+//! that loops over lanes is generic over the level of SIMD, which is chosen once per hierarchy.
 
 mod binary;
 mod blas;
 mod build;
 mod bundle;
 mod bvh;
+mod collapse;
 mod hits;
+mod lanes;
 mod node;
 mod packet;
 mod placement;
@@ -72,11 +77,15 @@ mod top;
 mod traverse;
 mod triangle;
 mod validate;
+mod visits;
 mod wide;
 
 pub use build::BvhError;
-pub use bundle::{BUNDLE_RAYS, Level};
+pub use bundle::{BUNDLE_RAYS, Directions, Level};
 pub use bvh::{Bvh, BvhStats};
 pub use query::Hit;
 pub use surface::{position_error, triangle_point};
 pub use validate::InvalidBvh;
+pub use visits::Visit;
+#[cfg(feature = "visits")]
+pub use visits::take_visits;

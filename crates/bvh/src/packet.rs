@@ -1,13 +1,16 @@
-//! Triangles as leaves hold them: four side by side, with the ids apart.
+//! Triangles as leaves hold them: up to sixteen side by side, with the ids apart.
 
+use crate::lanes::{Lanes, WIDTH};
 use conray_core::Vec3;
-use glam::Vec4;
 
-/// Corners of up to four triangles: `corners[corner][axis]`, one triangle a lane.
+/// Corners of up to sixteen triangles: `corners[corner][axis]`, one triangle a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet {
-    pub(crate) corners: [[Vec4; 3]; 3],
+    pub(crate) corners: [[Lanes; 3]; 3],
 }
+
+/// Whose triangles a packet's are.
+pub(crate) type PacketIds = [TriangleId; WIDTH];
 
 /// Whose triangle it is, and whether its opacity must be looked up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,18 +61,24 @@ impl PlacedTriangle {
 }
 
 impl Packet {
-    /// A packet of one to four triangles; the lanes past the last repeat it.
+    /// A packet of one to sixteen triangles; the lanes past the last repeat it.
     pub(crate) fn new(triangles: &[PlacedTriangle]) -> Self {
-        let lane = |i: usize| &triangles[i.min(triangles.len() - 1)];
-        let corners = [0, 1, 2].map(|corner| {
-            [0, 1, 2].map(|axis| Vec4::from_array([0, 1, 2, 3].map(|i| lane(i).corners[corner][axis])))
-        });
-        Self { corners }
+        let mut packet = Self { corners: [[Lanes::ZERO; 3]; 3] };
+        for lane in 0..WIDTH {
+            let triangle = &triangles[lane.min(triangles.len() - 1)];
+            for (corner, position) in packet.corners.iter_mut().zip(triangle.corners) {
+                for (axis, lanes) in corner.iter_mut().enumerate() {
+                    lanes.0[lane] = position[axis];
+                }
+            }
+        }
+        packet
     }
 
     /// Corners of one triangle.
     #[inline]
     pub(crate) fn lane(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|c| Vec3::new(c[0][lane & 3], c[1][lane & 3], c[2][lane & 3]))
+        let lane = lane & (WIDTH - 1);
+        [0, 1, 2].map(|corner| Vec3::from_array([0, 1, 2].map(|axis| self.corners[corner][axis].0[lane])))
     }
 }

@@ -5,9 +5,10 @@
 //! and the bounds must agree to the last bit, and they do because they all compute
 //! `((x_axis * p.x + y_axis * p.y) + z_axis * p.z) + translation` in single precision, in this order.
 
-use crate::packet::Packet;
+use crate::{lanes::Lanes, packet::Packet};
 use conray_core::{Affine3A, Vec3};
-use glam::{DMat3, DVec3, Vec4};
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{DMat3, DVec3};
 
 /// World position of a mesh vertex.
 #[inline]
@@ -16,17 +17,22 @@ pub(crate) fn world_corner(world_from_mesh: &Affine3A, p: Vec3) -> Vec3 {
     (((m.x_axis * p.x + m.y_axis * p.y) + m.z_axis * p.z) + world_from_mesh.translation).into()
 }
 
-/// [`world_corner`] for the twelve corners of a packet.
-#[inline]
-pub(crate) fn world_packet(world_from_mesh: &Affine3A, packet: &Packet) -> Packet {
+/// [`world_corner`] for the corners of a packet.
+#[inline(always)]
+pub(crate) fn world_packet<S: Simd>(simd: S, world_from_mesh: &Affine3A, packet: &Packet) -> Packet {
     let m = &world_from_mesh.matrix3;
-    let corners = packet.corners.map(|[x, y, z]| {
-        [0, 1, 2].map(|i| -> Vec4 {
-            ((x * m.x_axis[i] + y * m.y_axis[i]) + z * m.z_axis[i])
-                + Vec4::splat(world_from_mesh.translation[i])
-        })
-    });
-    Packet { corners }
+    let mut placed = Packet { corners: [[Lanes::ZERO; 3]; 3] };
+    for corner in 0..3 {
+        let [x, y, z] = &packet.corners[corner];
+        let (x, y, z) = (x.load(simd), y.load(simd), z.load(simd));
+        for axis in 0..3 {
+            let (ax, ay) = (f32x16::splat(simd, m.x_axis[axis]), f32x16::splat(simd, m.y_axis[axis]));
+            let (az, at) =
+                (f32x16::splat(simd, m.z_axis[axis]), f32x16::splat(simd, world_from_mesh.translation[axis]));
+            placed.corners[corner][axis] = Lanes::of(((x * ax + y * ay) + z * az) + at);
+        }
+    }
+    placed
 }
 
 /// The transform in double precision.
@@ -53,8 +59,9 @@ mod tests {
             let transform = Affine3A::from_cols_array(&m);
             let corners = [0, 1, 2].map(|i| Vec3::from_slice(&p[3 * i..]));
             let packet = Packet::new(&[PlacedTriangle { corners, id: TriangleId::default() }]);
-            let placed = world_packet(&transform, &packet);
-            for lane in 0..4 {
+            let level = fearless_simd::Level::new();
+            let placed = fearless_simd::dispatch!(level, simd => world_packet(simd, &transform, &packet));
+            for lane in 0..16 {
                 prop_assert_eq!(placed.lane(lane), corners.map(|c| world_corner(&transform, c)));
             }
         }

@@ -1,13 +1,16 @@
 //! The queries: nearest hit, transmittance, visibility with falloff.
 
+use crate::blas::TriangleTree;
 use crate::bvh::Bvh;
 use crate::hits::{Blocked, Faded, Nearest, Sink};
-use crate::packet::{Packet, TriangleId};
+use crate::packet::{Packet, PacketIds, TriangleId};
 use crate::placement::world_packet;
 use crate::ray::{PreparedRay, Slab};
-use crate::traverse::{cut, traverse};
+use crate::top::Placed;
+use crate::traverse::{Leaves, cut, traverse};
 use crate::triangle::{candidates, crossing};
 use conray_core::{Falloff, Ray};
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,69 +68,91 @@ impl Bvh {
     }
 
     /// Hands every crossing within the sink's limit to it, in no particular order, until it has had enough.
-    fn visit<S: Sink>(&self, ray: &Ray, sink: &mut S) {
+    fn visit<K: Sink>(&self, ray: &Ray, sink: &mut K) {
         let Some(ray) = PreparedRay::new(ray) else { return };
-        let slab = Slab::in_world(&ray);
-        let flat = &self.flat;
-        let go_on = traverse(&flat.tree, &slab, sink.limit(), |first, items| {
-            for (packet, lanes) in packets_of(first, items) {
-                if !test(&flat.packets[packet], &flat.ids[packet], lanes, &ray, None, sink) {
-                    return None;
-                }
-            }
-            Some(sink.limit())
-        });
-        if go_on && !self.top.placed.is_empty() {
-            self.visit_instances(&ray, &slab, sink);
-        }
-    }
-
-    #[inline(never)]
-    fn visit_instances<S: Sink>(&self, ray: &PreparedRay, slab: &Slab, sink: &mut S) {
-        traverse(&self.top.tree, slab, sink.limit(), |first, items| {
-            for placed in &self.top.placed[first as usize..(first + items) as usize] {
-                let tree = &self.trees[placed.tree as usize];
-                let slab = Slab::in_mesh(ray, placed.mesh_space.as_ref());
-                let go_on = traverse(&tree.tree, &slab, sink.limit(), |first, items| {
-                    for (packet, lanes) in packets_of(first, items) {
-                        let world = world_packet(&placed.world_from_mesh, &tree.packets[packet]);
-                        if !test(&world, &tree.ids[packet], lanes, ray, Some(placed.instance), sink) {
-                            return None;
-                        }
-                    }
-                    Some(sink.limit())
-                });
-                if !go_on {
-                    return None;
-                }
-            }
-            Some(sink.limit())
-        });
+        visit_at(self.level, self, &ray, sink);
     }
 }
 
-/// Packets of a leaf, each with the mask of lanes in use.
+/// [`Bvh::visit`] at a level of SIMD.
+fn visit_at<K: Sink>(level: Level, bvh: &Bvh, ray: &PreparedRay, sink: &mut K) {
+    dispatch!(level, simd => visit_with(simd, bvh, ray, sink));
+}
+
 #[inline(always)]
-fn packets_of(first: u32, items: u32) -> impl Iterator<Item = (usize, u32)> {
-    (0..items.div_ceil(4)).map(move |i| {
-        let used = (items - 4 * i).min(4);
-        ((first + i) as usize, (1 << used) - 1)
-    })
+fn visit_with<S: Simd, K: Sink>(simd: S, bvh: &Bvh, ray: &PreparedRay, sink: &mut K) {
+    let slab = Slab::in_world(ray);
+    let mut triangles = Triangles { tree: &bvh.flat, ray, placed: None, sink };
+    let limit = triangles.sink.limit();
+    let go_on = traverse(simd, &bvh.flat.tree, &slab, limit, &mut triangles);
+    if go_on && !bvh.top.placed.is_empty() {
+        let limit = sink.limit();
+        traverse(simd, &bvh.top.tree, &slab, limit, &mut Placements { bvh, ray, sink });
+    }
+}
+
+/// The leaves of the top level: trees of their own.
+struct Placements<'a, K> {
+    bvh: &'a Bvh,
+    ray: &'a PreparedRay,
+    sink: &'a mut K,
+}
+
+impl<K: Sink> Leaves for Placements<'_, K> {
+    #[inline(always)]
+    fn visit<S: Simd>(&mut self, simd: S, first: u32, items: u32) -> Option<f32> {
+        for placed in &self.bvh.top.placed[first as usize..(first + items) as usize] {
+            let tree = &self.bvh.trees[placed.tree as usize];
+            let slab = Slab::in_mesh(self.ray, placed.mesh_space.as_ref());
+            let mut triangles =
+                Triangles { tree, ray: self.ray, placed: Some(placed), sink: &mut *self.sink };
+            let limit = triangles.sink.limit();
+            if !traverse(simd, &tree.tree, &slab, limit, &mut triangles) {
+                return None;
+            }
+        }
+        Some(self.sink.limit())
+    }
+}
+
+/// The leaves of a tree of triangles: packets.
+struct Triangles<'a, K> {
+    tree: &'a TriangleTree,
+    ray: &'a PreparedRay,
+    placed: Option<&'a Placed>,
+    sink: &'a mut K,
+}
+
+impl<K: Sink> Leaves for Triangles<'_, K> {
+    #[inline(always)]
+    fn visit<S: Simd>(&mut self, simd: S, first: u32, items: u32) -> Option<f32> {
+        let (packet, ids) = (&self.tree.packets[first as usize], &self.tree.ids[first as usize]);
+        let go_on = match self.placed {
+            None => test(simd, packet, ids, items, self.ray, None, self.sink),
+            Some(placed) => {
+                let world = world_packet(simd, &placed.world_from_mesh, packet);
+                test(simd, &world, ids, items, self.ray, Some(placed.instance), self.sink)
+            }
+        };
+        go_on.then(|| self.sink.limit())
+    }
 }
 
 /// Tests a packet's triangles; false where the sink has had enough.
 #[inline(always)]
-fn test<S: Sink>(
+fn test<S: Simd, K: Sink>(
+    simd: S,
     packet: &Packet,
-    ids: &[TriangleId; 4],
-    lanes: u32,
+    ids: &PacketIds,
+    items: u32,
     ray: &PreparedRay,
     instance: Option<u32>,
-    sink: &mut S,
+    sink: &mut K,
 ) -> bool {
-    let mut mask = candidates(packet, ray, cut(sink.limit())) & lanes;
+    let used = u32::MAX >> (32 - items);
+    let mut mask = candidates(simd, packet, ray, cut(sink.limit())) & used;
     while mask != 0 {
-        let lane = mask.trailing_zeros() as usize & 3;
+        let lane = mask.trailing_zeros() as usize & 15;
         mask &= mask - 1;
         if !settle(&packet.lane(lane), &ids[lane], ray, instance, sink) {
             return false;
@@ -138,12 +163,12 @@ fn test<S: Sink>(
 
 /// The exact test of one candidate; false where the sink has had enough.
 #[inline(never)]
-fn settle<S: Sink>(
+fn settle<K: Sink>(
     corners: &[conray_core::Vec3; 3],
     id: &TriangleId,
     ray: &PreparedRay,
     instance: Option<u32>,
-    sink: &mut S,
+    sink: &mut K,
 ) -> bool {
     let Some(c) = crossing(corners, ray) else { return true };
     if c.t >= ray.t_max {

@@ -2,7 +2,7 @@
 
 use crate::placement::{abs_matrix, wide_matrix};
 use conray_core::{Affine3A, Bounds, Ray, Vec3, gamma};
-use glam::{DMat3, DVec3, Vec4};
+use glam::{DMat3, DVec3, Mat3};
 
 /// Components of a direction below this share of the largest count as zero: they move a hit by less than any
 /// coordinate's rounding, and their reciprocals stay finite.
@@ -49,7 +49,7 @@ impl PreparedRay {
     }
 }
 
-/// The box test's view of a ray: `t = (plane - origin) * inverse`, four boxes at once.
+/// The box test's view of a ray: `t = (plane - origin) * inverse`, sixteen boxes at once.
 ///
 /// Rounding makes a computed `t` err by at most `gamma(3)` of itself, so scaling the far one by `1 + 2 gamma(3)` keeps
 /// every box that the ray truly meets (Ize, "Robust BVH Ray Traversal", 2013). Where the origin itself is uncertain
@@ -57,9 +57,9 @@ impl PreparedRay {
 /// grows. Comparisons are such that NaN means "visit": it arises only where a ray lies in a box's plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slab {
-    pub(crate) near_origin: [Vec4; 3],
-    pub(crate) far_origin: [Vec4; 3],
-    pub(crate) inverse: [Vec4; 3],
+    pub(crate) near_origin: [f32; 3],
+    pub(crate) far_origin: [f32; 3],
+    pub(crate) inverse: [f32; 3],
     /// Which plane of an axis is near: 0 the lowest, 1 the highest.
     pub(crate) near_side: [usize; 3],
 }
@@ -74,9 +74,9 @@ impl Slab {
         let origin = ray.origin.to_array();
         let inverse = ray.direction.to_array().map(|d| 1.0 / d);
         Self {
-            near_origin: origin.map(Vec4::splat),
-            far_origin: origin.map(Vec4::splat),
-            inverse: inverse.map(Vec4::splat),
+            near_origin: origin,
+            far_origin: origin,
+            inverse,
             near_side: inverse.map(|i| usize::from(i < 0.0)),
         }
     }
@@ -93,23 +93,20 @@ impl Slab {
             return slab;
         }
         for axis in 0..3 {
-            let d = direction[axis];
-            let outward = if d < 0.0 { -slack[axis] } else { slack[axis] };
-            slab.near_origin[axis] = Vec4::splat((origin[axis] + outward) as f32);
-            slab.far_origin[axis] = Vec4::splat((origin[axis] - outward) as f32);
-            slab.inverse[axis] = Vec4::splat((1.0 / d) as f32);
-            slab.near_side[axis] = usize::from(d < 0.0);
+            // The sign is that of the reciprocal: a component of -0 has one too, and its planes come in that order.
+            let inverse = (1.0 / direction[axis]) as f32;
+            let outward = if inverse < 0.0 { -slack[axis] } else { slack[axis] };
+            slab.near_origin[axis] = (origin[axis] + outward) as f32;
+            slab.far_origin[axis] = (origin[axis] - outward) as f32;
+            slab.inverse[axis] = inverse;
+            slab.near_side[axis] = usize::from(inverse < 0.0);
         }
         slab
     }
 
     /// Meets every box: all its distances are NaN.
-    const EVERYTHING: Self = Self {
-        near_origin: [Vec4::ZERO; 3],
-        far_origin: [Vec4::ZERO; 3],
-        inverse: [Vec4::NAN; 3],
-        near_side: [0; 3],
-    };
+    const EVERYTHING: Self =
+        Self { near_origin: [0.0; 3], far_origin: [0.0; 3], inverse: [f32::NAN; 3], near_side: [0; 3] };
 }
 
 /// The way from the world into a mesh's space, with what is lost on it.
@@ -160,6 +157,51 @@ impl MeshSpace {
         let rounding = origin.abs() * f64::from(2.0 * f32::EPSILON);
         let inverse = 8.0 * Self::RESIDUAL * (origin.abs().max_element() + self.reach);
         self.fixed_slack + rounding + DVec3::splat(inverse + f64::from(f32::MIN_POSITIVE))
+    }
+}
+
+/// What a bundle of rays needs to be taken into a mesh's space; see [`MeshSpace`].
+pub(crate) struct BundleSpace {
+    pub(crate) mesh_from_world: Mat3,
+    pub(crate) origin: Vec3,
+    /// How far, per axis, any point of a ray may be from where it ought to be, for rays as long as the mesh is far.
+    pub(crate) slack: Vec3,
+    /// What heights over the surface are measured along: `normal . mesh position` has the sign of the world's.
+    pub(crate) normal: Vec3,
+    /// Bound on the squared factor by which lengths grow on the way into the mesh's space.
+    pub(crate) stretch_squared: f32,
+}
+
+impl MeshSpace {
+    /// The way of a bundle from `origin`; `None` where it leads beyond single precision.
+    ///
+    /// Directions are transformed in single precision. That moves a point at distance t by a few roundings of t times the
+    /// transform's norm; on the way to a mesh as far as `farthest` in its own space, t is at most that times the norm of
+    /// the way back. `None` also where the product of the norms, which says how much the transform distorts, is so large
+    /// that boxes would grow beyond use.
+    pub(crate) fn bundle(&self, origin: Vec3, normal: Vec3) -> Option<BundleSpace> {
+        let from_world = self.mesh_from_world;
+        let to_world = from_world.inverse();
+        let norm_squared =
+            |m: &DMat3| m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
+        let stretch_squared = norm_squared(&from_world);
+        let distortion = (stretch_squared * norm_squared(&to_world)).sqrt();
+        let at = from_world * (origin.as_dvec3() - self.translation);
+        let farthest = at.abs().max_element() + self.reach;
+        let rounded = 4.0 * f64::from(f32::EPSILON) * distortion * farthest;
+        let slack = self.slack(at) + DVec3::splat(rounded);
+        let towards = to_world.transpose() * normal.as_dvec3();
+        let usable = farthest < 1e18
+            && (1e-24..1e24).contains(&stretch_squared)
+            && distortion < 1e4
+            && towards.is_finite();
+        usable.then(|| BundleSpace {
+            mesh_from_world: from_world.as_mat3(),
+            origin: at.as_vec3(),
+            slack: slack.as_vec3() * (1.0 + f32::EPSILON),
+            normal: towards.normalize_or_zero().as_vec3(),
+            stretch_squared: (stretch_squared * 1.0001) as f32,
+        })
     }
 }
 

@@ -1,11 +1,12 @@
-//! From boxes to a four-wide tree: split from the top, improve by reinsertion, widen.
+//! From boxes to a sixteen-wide tree: split from the top, improve by reinsertion, widen.
 //!
 //! Reinsertion: Meister, Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", 2018, as
 //! implemented by the crate `obvhs`. Which nodes are tried is decided here, because the crate's own choice sorts by
 //! area alone and leaves ties to a sort whose order may depend on the number of threads.
 
-use crate::binary;
-use crate::wide::{LeafRule, WideTree};
+use crate::binary::BinaryTree;
+use crate::collapse::LeafRule;
+use crate::wide::WideTree;
 use conray_core::Bounds;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -17,13 +18,20 @@ const PASSES: [f32; 6] = [0.1, 0.05, 0.03, 0.02, 0.015, 0.01];
 /// Trees whose nodes' areas sum up to more than this many times the root's are left as they are: their boxes overlap so
 /// much that the search for better places would visit most of the tree each time. (Crytek Sponza: about 90.)
 const MAX_CROWDING: f64 = 1000.0;
+/// Reinsertion may make a tree deeper without bound; one deeper than this is dropped for the one it came from, since what
+/// follows goes down by recursion.
+const MOST_LEVELS: usize = 400;
 /// Fewer nodes are not worth the trouble.
 const MIN_NODES: usize = 32;
 
 /// Builds the tree; see [`WideTree::new`] for `emit`.
 pub(crate) fn build_wide(boxes: &[Bounds], rule: LeafRule, emit: impl FnMut(&[u32]) -> u32) -> WideTree {
-    let nodes = reinsert(binary::build(boxes));
-    WideTree::new(&nodes, boxes, rule, emit)
+    let mut tree = BinaryTree::build(boxes, rule.group);
+    tree.nodes = reinsert(tree.nodes);
+    if depth(&tree.nodes) > MOST_LEVELS {
+        tree = BinaryTree::build(boxes, rule.group);
+    }
+    WideTree::new(&tree, boxes, rule, emit)
 }
 
 fn reinsert(nodes: Vec<Bvh2Node>) -> Vec<Bvh2Node> {
@@ -50,7 +58,7 @@ fn crowding(nodes: &[Bvh2Node]) -> f64 {
 }
 
 fn depth(nodes: &[Bvh2Node]) -> usize {
-    let (mut deepest, mut stack) = (0, vec![(0u32, 1)]);
+    let (mut deepest, mut stack) = (0, if nodes.is_empty() { vec![] } else { vec![(0u32, 1)] });
     while let Some((n, depth)) = stack.pop() {
         let node = &nodes[n as usize];
         deepest = deepest.max(depth);
@@ -89,10 +97,12 @@ mod tests {
 
     #[test]
     fn reinsertion_lowers_the_cost_and_keeps_every_item() {
-        let before = binary::build(&boxes(5000));
+        let tree = BinaryTree::build(&boxes(5000), 1);
+        let before = tree.nodes.clone();
         let after = reinsert(before.clone());
         let items = |nodes: &[Bvh2Node]| {
-            let mut items: Vec<u32> = nodes.iter().filter(|n| n.is_leaf()).map(|n| n.first_index).collect();
+            let leaves = nodes.iter().filter(|n| n.is_leaf());
+            let mut items: Vec<u32> = leaves.flat_map(|n| tree.items(n)).copied().collect();
             items.sort_unstable();
             items
         };
@@ -105,7 +115,7 @@ mod tests {
     fn crowded_trees_are_left_alone() {
         let nested: Vec<Bounds> =
             (1..4000).map(|i| Bounds { min: Vec3::splat(-(i as f32)), max: Vec3::splat(i as f32) }).collect();
-        let nodes = binary::build(&nested);
+        let nodes = BinaryTree::build(&nested, 1).nodes;
         assert!(crowding(&nodes) > MAX_CROWDING);
         let same = |a: &Bvh2Node, b: &Bvh2Node| (a.first_index, a.aabb.min) == (b.first_index, b.aabb.min);
         assert!(reinsert(nodes.clone()).iter().zip(&nodes).all(|(a, b)| same(a, b)));

@@ -1,15 +1,16 @@
 //! The top level: a tree over the placements of instanced meshes.
 
 use crate::blas::TriangleTree;
+use crate::collapse::LeafRule;
 use crate::placement::wide_matrix;
 use crate::ray::{MeshSpace, corner_rounding};
 use crate::refine::build_wide;
-use crate::wide::{LeafRule, WideTree};
+use crate::wide::WideTree;
 use conray_core::{Affine3A, Bounds, Vec3};
 use glam::DVec3;
 
 /// One placement a leaf: each is worth a tree of its own.
-const LEAF_RULE: LeafRule = LeafRule { max_items: 1, group: 1, group_cost: 4.0 };
+const LEAF_RULE: LeafRule = LeafRule { max_items: 1, group: 1, leaf_cost: 4.0, item_cost: 0.0 };
 
 /// An instance that is not flattened.
 #[derive(Clone, Debug)]

@@ -1,10 +1,11 @@
 //! Walking a tree along a ray, nearest boxes first.
 
+use crate::lanes::{Lanes, bits};
 use crate::node::{Child, ChildKind, Node};
 use crate::ray::Slab;
 use crate::wide::WideTree;
 use conray_core::gamma;
-use glam::Vec4;
+use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// Distances of hits and of boxes are rounded apart: a box is passed over only where it starts past the limit by more
 /// than that, so that of hits at one distance none is lost, whatever the order of the boxes.
@@ -23,32 +24,40 @@ const STACK_SIZES: [usize; 2] = [64, 256];
 type Entry = (Child, f32);
 const NO_ENTRY: Entry = (Child::EMPTY, 0.0);
 
-/// Visits the leaves that the ray may meet. `leaf` gets the first item and the number of items, and returns how far
-/// hits still count, or `None` to stop. Returns false where it was stopped.
-#[inline]
-pub(crate) fn traverse(
+/// What is done at the leaves. A trait rather than a closure, which would not be compiled for the level of SIMD at hand.
+pub(crate) trait Leaves {
+    /// Takes a leaf that the ray may meet: where its items are and how many. Returns how far hits still count, or `None`
+    /// to stop.
+    fn visit<S: Simd>(&mut self, simd: S, first: u32, items: u32) -> Option<f32>;
+}
+
+/// Visits the leaves that the ray may meet. Returns false where it was stopped.
+#[inline(always)]
+pub(crate) fn traverse<S: Simd>(
+    simd: S,
     tree: &WideTree,
     slab: &Slab,
     limit: f32,
-    leaf: impl FnMut(u32, u32) -> Option<f32>,
+    leaves: &mut impl Leaves,
 ) -> bool {
     if tree.nodes.is_empty() {
         true
     } else if tree.stack_entries <= STACK_SIZES[0] {
-        traverse_with(&tree.nodes, slab, limit, leaf, &mut [NO_ENTRY; STACK_SIZES[0]])
+        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut [NO_ENTRY; STACK_SIZES[0]])
     } else if tree.stack_entries <= STACK_SIZES[1] {
-        traverse_with(&tree.nodes, slab, limit, leaf, &mut [NO_ENTRY; STACK_SIZES[1]])
+        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut [NO_ENTRY; STACK_SIZES[1]])
     } else {
-        traverse_with(&tree.nodes, slab, limit, leaf, &mut vec![NO_ENTRY; tree.stack_entries])
+        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut vec![NO_ENTRY; tree.stack_entries])
     }
 }
 
 #[inline(always)]
-fn traverse_with(
+fn traverse_with<S: Simd>(
+    simd: S,
     nodes: &[Node],
     slab: &Slab,
     limit: f32,
-    mut leaf: impl FnMut(u32, u32) -> Option<f32>,
+    leaves: &mut impl Leaves,
     stack: &mut [Entry],
 ) -> bool {
     let mut height = 0;
@@ -58,26 +67,23 @@ fn traverse_with(
         match current.kind() {
             ChildKind::Inner(index) => {
                 let node = &nodes[index as usize];
-                let (mut mask, near) = meet(node, slab, far);
-                if mask != 0 {
-                    let near = near.to_array();
-                    let base = height;
-                    while mask != 0 {
-                        let slot = mask.trailing_zeros() as usize & 3;
-                        mask &= mask - 1;
-                        let entry = (node.children[slot], near[slot]);
-                        // Insertion keeps the nearest on top.
-                        let mut at = height;
-                        while at > base && stack[at - 1].1 < entry.1 {
-                            stack[at] = stack[at - 1];
-                            at -= 1;
-                        }
-                        stack[at] = entry;
-                        height += 1;
+                let (mut mask, near) = meet(simd, node, slab, far);
+                let base = height;
+                while mask != 0 {
+                    let slot = mask.trailing_zeros() as usize & 15;
+                    mask &= mask - 1;
+                    let entry = (node.children[slot], near.0[slot]);
+                    // Insertion keeps the nearest on top.
+                    let mut at = height;
+                    while at > base && stack[at - 1].1 < entry.1 {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
                     }
+                    stack[at] = entry;
+                    height += 1;
                 }
             }
-            ChildKind::Leaf(first, items) => match leaf(first, items) {
+            ChildKind::Leaf(first, items) => match leaves.visit(simd, first, items) {
                 Some(limit) => far = cut(limit),
                 None => return false,
             },
@@ -100,13 +106,18 @@ fn traverse_with(
 
 /// Which of a node's boxes the ray meets within `far`, and where it enters them.
 #[inline(always)]
-fn meet(node: &Node, slab: &Slab, far: f32) -> (u32, Vec4) {
-    let distance = |axis: usize, side: usize, origin: &[Vec4; 3]| {
-        (node.planes[axis][side & 1] - origin[axis]) * slab.inverse[axis]
-    };
-    let near = |axis: usize| distance(axis, slab.near_side[axis], &slab.near_origin);
-    let exit = |axis: usize| distance(axis, slab.near_side[axis] ^ 1, &slab.far_origin);
-    let enter = near(0).max(near(1)).max(near(2).max(Vec4::ZERO));
-    let leave = (exit(0).min(exit(1)).min(exit(2)) * Slab::FAR).min(Vec4::splat(far));
-    (!enter.cmpgt(leave).bitmask() & 0xf, enter)
+fn meet<S: Simd>(simd: S, node: &Node, slab: &Slab, far: f32) -> (u32, Lanes) {
+    let near = |axis: usize| distance(simd, node, axis, slab.near_side[axis], slab.near_origin[axis], slab);
+    let exit =
+        |axis: usize| distance(simd, node, axis, slab.near_side[axis] ^ 1, slab.far_origin[axis], slab);
+    let enter = near(0).max(near(1)).max(near(2).max(f32x16::splat(simd, 0.0)));
+    let leave =
+        (exit(0).min(exit(1)).min(exit(2)) * f32x16::splat(simd, Slab::FAR)).min(f32x16::splat(simd, far));
+    (!bits(enter.simd_gt(leave)) & 0xffff, Lanes::of(enter))
+}
+
+#[inline(always)]
+fn distance<S: Simd>(simd: S, node: &Node, axis: usize, side: usize, origin: f32, slab: &Slab) -> f32x16<S> {
+    (node.planes[axis][side & 1].load(simd) - f32x16::splat(simd, origin))
+        * f32x16::splat(simd, slab.inverse[axis])
 }

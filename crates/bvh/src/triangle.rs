@@ -6,7 +6,7 @@
 //!
 //! Two stages differ from the paper.
 //!
-//! 1. [`candidates`] evaluates four triangles in single precision. A rounded edge function has the right sign or is
+//! 1. [`candidates`] evaluates sixteen triangles in single precision. A rounded edge function has the right sign or is
 //!    zero, because rounding is monotonic; a triangle is dropped only where two functions have opposite signs, or
 //!    where it lies wholly behind the origin or beyond the cut.
 //! 2. [`crossing`] settles the few that remain, in double precision. The edge functions of the *rounded* corners are
@@ -32,10 +32,12 @@
 //! the first stage errs only where the ray passes within 6 sqrt(2) u r of the triangle; points of it in front of the
 //! origin are further away than h. [`crate::position_error`] makes h exceed that.
 
+use crate::lanes::{Lanes, bits};
 use crate::packet::Packet;
 use crate::ray::PreparedRay;
 use conray_core::{Vec2, Vec3};
-use glam::{DVec2, DVec3, Vec4};
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{DVec2, DVec3};
 
 /// Where a ray crosses a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,27 +50,31 @@ pub(crate) struct Crossing {
     pub(crate) v: f32,
 }
 
-/// Which of four triangles the ray may cross with `0 < t <= cut`; bit i stands for lane i. Never misses one.
+/// Which of a packet's triangles the ray may cross with `0 < t <= cut`; bit i stands for lane i. Never misses one.
 #[inline(always)]
-pub(crate) fn candidates(packet: &Packet, ray: &PreparedRay, cut: f32) -> u32 {
-    let [kx, ky, kz] = ray.axes;
-    let [sx, sy, sz] = ray.shear.map(Vec4::splat);
-    let origin = |axis: usize| Vec4::splat(ray.origin[axis]);
-    let (ox, oy, oz) = (origin(kx), origin(ky), origin(kz));
-    let sheared = |corner: &[Vec4; 3]| {
-        let z = corner[kz] - oz;
-        ((corner[kx] - ox) - sx * z, (corner[ky] - oy) - sy * z, z * sz)
-    };
-    let (ax, ay, at) = sheared(&packet.corners[0]);
-    let (bx, by, bt) = sheared(&packet.corners[1]);
-    let (cx, cy, ct) = sheared(&packet.corners[2]);
+pub(crate) fn candidates<S: Simd>(simd: S, packet: &Packet, ray: &PreparedRay, cut: f32) -> u32 {
+    let (ax, ay, at) = sheared(simd, &packet.corners[0], ray);
+    let (bx, by, bt) = sheared(simd, &packet.corners[1], ray);
+    let (cx, cy, ct) = sheared(simd, &packet.corners[2], ray);
     let u = cx * by - cy * bx;
     let v = ax * cy - ay * cx;
     let w = bx * ay - by * ax;
-    let outside = u.min(v).min(w).cmplt(Vec4::ZERO) & u.max(v).max(w).cmpgt(Vec4::ZERO);
-    let behind = at.max(bt).max(ct).cmple(Vec4::ZERO);
-    let beyond = at.min(bt).min(ct).cmpgt(Vec4::splat(cut));
-    !(outside | behind | beyond).bitmask() & 0xf
+    let zero = f32x16::splat(simd, 0.0);
+    let outside = bits(u.min(v).min(w).simd_lt(zero)) & bits(u.max(v).max(w).simd_gt(zero));
+    let behind = bits(at.max(bt).max(ct).simd_le(zero));
+    let beyond = bits(at.min(bt).min(ct).simd_gt(f32x16::splat(simd, cut)));
+    !(outside | behind | beyond) & 0xffff
+}
+
+/// A corner of each triangle, sheared: x, y and the distance along the ray.
+#[inline(always)]
+fn sheared<S: Simd>(simd: S, corner: &[Lanes; 3], ray: &PreparedRay) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
+    let [kx, ky, kz] = ray.axes;
+    let [sx, sy, sz] = ray.shear;
+    let z = corner[kz].load(simd) - f32x16::splat(simd, ray.origin[kz]);
+    let x = (corner[kx].load(simd) - f32x16::splat(simd, ray.origin[kx])) - f32x16::splat(simd, sx) * z;
+    let y = (corner[ky].load(simd) - f32x16::splat(simd, ray.origin[ky])) - f32x16::splat(simd, sy) * z;
+    (x, y, z * f32x16::splat(simd, sz))
 }
 
 /// Where the ray crosses the triangle, if it does with `t > 0`; the caller compares `t` with its own limit.

@@ -2,6 +2,7 @@
 
 use crate::blas::TriangleTree;
 use crate::bvh::Bvh;
+use crate::lanes::WIDTH;
 use crate::placement::world_corner;
 use conray_core::{Bounds, Vec3};
 use std::collections::BTreeMap;
@@ -46,7 +47,7 @@ impl Bvh {
                 found.entry(placed.instance).or_default().extend(&per_tree[placed.tree as usize]);
                 let tree = &self.trees[placed.tree as usize];
                 for packet in &tree.packets {
-                    for corner in (0..4).flat_map(|lane| packet.lane(lane)) {
+                    for corner in (0..WIDTH).flat_map(|lane| packet.lane(lane)) {
                         check_inside(bounds, world_corner(&placed.world_from_mesh, corner))?;
                     }
                 }
@@ -96,13 +97,12 @@ fn check_triangles(
     let mut used = vec![false; tree.packets.len()];
     let mut triangles = 0;
     tree.tree.check(|bounds, first, items| {
-        for item in 0..items {
-            let (packet, lane) = ((first + item / 4) as usize, item as usize % 4);
-            let corners =
-                tree.packets.get(packet).ok_or(format!("packet {packet} does not exist"))?.lane(lane);
-            if lane == 0 && std::mem::replace(&mut used[packet], true) {
-                return Err(format!("packet {packet} is in two leaves"));
-            }
+        let packet = first as usize;
+        if std::mem::replace(used.get_mut(packet).ok_or(format!("packet {packet} does not exist"))?, true) {
+            return Err(format!("packet {packet} is in two leaves"));
+        }
+        for lane in 0..items as usize {
+            let corners = tree.packets[packet].lane(lane);
             triangles += 1;
             corners.iter().try_for_each(|&c| check_inside(bounds, c))?;
             each(tree.ids[packet][lane], &corners)?;

@@ -2,32 +2,24 @@
 
 mod common;
 
+use common::levels::levels;
 use common::shapes::{ceiling, icosphere, mesh, quad, soup, sphere};
 use common::{Random, Scene};
-use conray_bvh::{BUNDLE_RAYS, Bvh, Level};
+use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
 use conray_core::{Affine3A, Opacity, Ray, Vec3};
-
-/// Every level that this processor has.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    #[allow(unused_mut)]
-    let mut levels = vec![best, Level::baseline()];
-    #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-        levels.extend(best.as_avx2().map(Level::Avx2));
-        levels.extend(best.as_avx512().map(Level::Avx512));
-    }
-    levels
-}
 
 /// Compares bundles of all sizes; returns how many rays were blocked.
 fn check(bvh: &Bvh, normal: Vec3, origin: Vec3, directions: &[Vec3], t_max: f32) -> usize {
-    let single = |direction: &Vec3| bvh.transmittance(&Ray { origin, direction: *direction, t_max });
+    let single = |direction: &Vec3| {
+        let leads_below = normal != Vec3::ZERO && direction.dot(normal) <= 0.0;
+        if leads_below { 0.0 } else { bvh.transmittance(&Ray { origin, direction: *direction, t_max }) }
+    };
     let expected: Vec<f32> = directions.iter().map(single).collect();
+    let mut bundle = Directions::new();
+    bundle.extend(directions.iter().copied());
     for level in levels() {
         let mut found = vec![f32::NAN; directions.len()];
-        bvh.transmittances_at(level, origin, normal, directions, t_max, &mut found);
+        bvh.clone().at_level(level).transmittances(origin, normal, &bundle, t_max, &mut found);
         let wrong = (0..found.len()).find(|&i| found[i].to_bits() != expected[i].to_bits());
         assert_eq!(
             wrong, None,
@@ -52,6 +44,9 @@ fn random_soups_at_all_scales_and_far_from_the_origin() {
     for (scale, centre) in [
         (1.0, Vec3::ZERO),
         (1.0, Vec3::new(148_376.0, 1234.0, -223_423.0)),
+        (1e-3, Vec3::ZERO),
+        (1e6, Vec3::ZERO),
+        (1e6, Vec3::splat(-3e6)),
         (1e-12, Vec3::ZERO),
         (1e12, Vec3::ZERO),
         (1e-18, Vec3::ZERO),
@@ -101,6 +96,85 @@ fn masks_fractions_and_instances() {
         blocked += check(&bvh, Vec3::ZERO, origin, &bundle(&mut random, BUNDLE_RAYS), 1.0);
     }
     assert!(blocked > 500, "{blocked}");
+}
+
+#[test]
+fn distorted_and_singular_placements() {
+    // Beyond some distortion bundles leave a placement to single rays; a flat one cannot be undone at all.
+    let mut random = Random(5);
+    for scale in [Vec3::new(1.0, 30.0, -0.1), Vec3::new(1e-3, 1e3, 1.0), Vec3::new(0.0, 1.0, 1.0)] {
+        let place = |turn: f32| {
+            Affine3A::from_rotation_z(turn)
+                * Affine3A::from_scale(scale)
+                * Affine3A::from_quat(conray_core::Quat::from_rotation_x(0.3))
+        };
+        let bvh = Scene::default()
+            .with_opacity(sphere(3, Vec3::ZERO, 0.5), Opacity::Constant(1.0), &[place(0.0), place(1.0)])
+            .bvh();
+        let mut blocked = 0;
+        for _ in 0..60 {
+            let origin = random.cube() * scale.abs().max(Vec3::splat(0.1));
+            blocked += check(&bvh, Vec3::ZERO, origin, &bundle(&mut random, BUNDLE_RAYS), f32::INFINITY);
+        }
+        assert!(blocked > 100, "{scale}: {blocked}");
+    }
+}
+
+#[test]
+fn rays_along_axes_meet_placed_spheres_from_inside() {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [axis, -axis, Vec3::ZERO - axis]).concat();
+    for turn in [0.0, 0.7, std::f32::consts::FRAC_PI_2] {
+        let place = Affine3A::from_scale_rotation_translation(
+            Vec3::new(0.5, 2.0, -1.0),
+            conray_core::Quat::from_rotation_y(turn),
+            Vec3::new(0.3, 0.1, -0.4),
+        );
+        let bvh = Scene::default()
+            .with_opacity(
+                sphere(3, Vec3::ZERO, 0.5),
+                Opacity::Constant(1.0),
+                &[place, Affine3A::from_translation(9.0 * Vec3::X)],
+            )
+            .bvh();
+        let origin = Vec3::new(0.32, -0.4, -0.43);
+        assert_eq!(check(&bvh, Vec3::ZERO, origin, &axes, f32::INFINITY), axes.len(), "turned by {turn}");
+    }
+}
+
+#[test]
+fn slivers_coincident_and_inverted_triangles() {
+    let mut random = Random(13);
+    let corner = |random: &mut Random| 2.0 * random.cube();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for i in 0..200u32 {
+        let (a, b) = (corner(&mut random), corner(&mut random));
+        // A third corner next to the line of the other two.
+        positions.extend([a, b, a.lerp(b, random.unit()) + 1e-6 * random.cube()]);
+        let c = corner(&mut random);
+        positions.extend([a, b, c]);
+        let n = 6 * i;
+        triangles.extend([
+            [n, n + 1, n + 2],
+            [n + 3, n + 4, n + 5],
+            [n + 3, n + 4, n + 5],
+            [n + 5, n + 4, n + 3],
+        ]);
+    }
+    // Aim at corners and at points of edges as well.
+    let aims: Vec<Vec3> = (0..6 * 200)
+        .map(|i| {
+            positions[i]
+                .lerp(positions[i / 3 * 3 + (i + 1) % 3], if i % 2 == 0 { 0.0 } else { random.unit() })
+        })
+        .collect();
+    let bvh = Scene::default().with(mesh(positions, triangles)).bvh();
+    let mut blocked = 0;
+    for (i, aims) in aims.chunks(BUNDLE_RAYS).enumerate() {
+        let origin = if i % 3 == 0 { Vec3::ZERO } else { random.cube() };
+        let directions: Vec<Vec3> = aims.iter().map(|p| (*p - origin).normalize_or(Vec3::Z)).collect();
+        blocked += check(&bvh, Vec3::ZERO, origin, &directions, f32::INFINITY);
+    }
+    assert!(blocked > 300, "{blocked}");
 }
 
 #[test]

@@ -11,131 +11,219 @@
 //! 72 u m^2, the volume by 40 u m^3. The exact test decides on rounded sheared corners, whose edge functions err by
 //! 28 u m^2 times at most 3 (`triangle.rs`, with |d_z| at least 1 / sqrt 3). [`MARGIN`] covers both together.
 
-use super::rays::{GROUPS, Rays};
+use super::directions::GROUPS;
+use super::rays::Rays;
+use crate::lanes::{Lanes, WIDTH, bits};
 use crate::packet::Packet;
+use conray_core::Vec3;
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec4;
 
 /// Bound on the errors of half-space values, in units of m^2; of the volume, of m^3. 256 u.
-const MARGIN: f32 = 256.0 / 16_777_216.0;
+const MARGIN: f32 = 64.0 / 16_777_216.0;
 
 /// Least margin, far above what underflow can lose: lengths are near 1 (`Rays::unit`).
 const LEAST_MARGIN: f32 = 1e-30;
 
-/// Four triangles as half-spaces.
+/// Bound on the rounding of a corner's height over the surface, as a share of its largest coordinate times the sum of the
+/// normal's: as for boxes, 8 u.
+const HEIGHT_ROUNDING: f32 = 8.0 / 16_777_216.0;
+
+/// A packet as half-spaces.
 pub(super) struct HalfSpaces {
     /// Normals opposite the corners, turned so that inside is positive: by corner, then axis.
-    normals: [[Vec4; 3]; 3],
-    /// Absolute volume, in units of `Rays::unit`.
-    volume: Vec4,
-    /// Margin of half-space values; of the volume it is `margin * size`.
-    margin: Vec4,
-    size: Vec4,
+    normals: [[Lanes; 3]; 3],
+    /// Absolute volume, in units of `Rays::unit`, and the bound on its error.
+    volume: Lanes,
+    of_volume: Lanes,
+    /// Margin of half-space values.
+    margin: Lanes,
+    /// Triangles that are not wholly below the surface.
+    pub(super) possible: u32,
+    /// Triangles whose volume's sign is certain.
+    turned: u32,
+    /// `t_max` in units, less and more some ulps.
+    reach: [f32; 2],
 }
 
-/// Which rays of a bundle a triangle blocks for certain, and for which the exact test must tell.
+/// Which of sixteen pairs of a ray and a triangle meet for certain, and for which the exact test must tell.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Decided {
     pub(super) inside: u64,
     pub(super) unsure: u64,
 }
 
+type Vector<S> = [f32x16<S>; 3];
+
 impl HalfSpaces {
+    /// `normal` is that of the surface that the rays leave; `used` has a bit for each triangle that there is.
     #[inline(always)]
-    pub(super) fn new(packet: &Packet, rays: &Rays) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, packet: &Packet, used: u32, rays: &Rays<'_>) -> Self {
         let p = &packet.corners;
-        let (a, b, c) = (near(&p[0], rays), near(&p[1], rays), near(&p[2], rays));
-        let (n0, n1, n2) = (cross(&b, &c), cross(&c, &a), cross(&a, &b));
-        let volume = a[0] * n0[0] + a[1] * n0[1] + a[2] * n0[2];
-        let turn = Vec4::ONE.copysign(volume);
+        let (a, b, c) = (near(simd, &p[0], rays), near(simd, &p[1], rays), near(simd, &p[2], rays));
         let size = largest(&a).max(largest(&b)).max(largest(&c));
+        let normal = rays.boxes.normal;
+        let height = height(simd, &a, normal).max(height(simd, &b, normal)).max(height(simd, &c, normal));
+        let rounding = f32x16::splat(simd, -HEIGHT_ROUNDING * normal.abs().element_sum()) * size;
+        let possible = !bits(height.simd_lt(rounding)) & used;
+
+        let n0 = cross(&b, &c);
+        let volume = a[2].mul_add(n0[2], a[1].mul_add(n0[1], a[0] * n0[0]));
+        let turn = f32x16::splat(simd, 1.0).copysign(volume);
+        let a = times(&a, turn);
+        let (n0, n1, n2) = (times(&n0, turn), cross(&c, &a), cross(&a, &b));
+        let volume = volume.abs();
+        let margin = (size * size * f32x16::splat(simd, MARGIN)).max(f32x16::splat(simd, LEAST_MARGIN));
+        let of_volume = margin * size.max(f32x16::splat(simd, 1e-10));
+        // A length in units; t itself is compared with some ulps to spare.
+        let t_max = (rays.t_max).min(f32::MAX);
         Self {
-            normals: [times(&n0, turn), times(&n1, turn), times(&n2, turn)],
-            volume: volume.abs(),
-            margin: (size * size * MARGIN).max(Vec4::splat(LEAST_MARGIN)),
-            size,
+            normals: [stored(&n0), stored(&n1), stored(&n2)],
+            volume: Lanes::of(volume),
+            of_volume: Lanes::of(of_volume),
+            margin: Lanes::of(margin),
+            possible,
+            turned: bits(volume.simd_gt(of_volume)),
+            reach: [t_max * (1.0 - 1e-6), t_max * (1.0 + 1e-6)],
         }
     }
 
-    /// Tests the active rays against one triangle.
+    /// Sixteen triangles against one ray; bits stand for triangles.
     #[inline(always)]
-    pub(super) fn test<S: Simd>(&self, simd: S, lane: usize, rays: &Rays, active: u64) -> Decided {
-        // Written out: a closure would not be compiled for the level of SIMD that this function is.
-        let lane = lane & 3;
+    pub(super) fn met_by_ray<S: Simd>(&self, simd: S, direction: Vec3) -> Decided {
+        let d = [direction.x, direction.y, direction.z].map(|x| f32x16::splat(simd, x));
         let n = &self.normals;
-        let (ex, ey, ez) = splat3(simd, &n[0], lane);
-        let (fx, fy, fz) = splat3(simd, &n[1], lane);
-        let (gx, gy, gz) = splat3(simd, &n[2], lane);
-        let (margin, size, volume) = (self.margin[lane], self.size[lane], self.volume[lane]);
-        let of_volume = margin * size.max(1e-10);
-        // Where the volume's own sign is not certain, neither is the side of anything.
-        let turned = volume > of_volume;
-        // A length in units; t itself is compared with some ulps to spare.
-        let t_max = (rays.t_max * rays.unit).min(f32::MAX);
-        let (least_reach, most_reach) = (t_max * (1.0 - 1e-6), t_max * (1.0 + 1e-6));
-        let (inner, outer) = (f32x16::splat(simd, margin), f32x16::splat(simd, -margin));
-        let three = f32x16::splat(simd, 3.0 * margin);
+        let values = [
+            along(&loaded(simd, &n[0]), &d),
+            along(&loaded(simd, &n[1]), &d),
+            along(&loaded(simd, &n[2]), &d),
+        ];
+        let (margin, turned) = (self.margin.load(simd), self.turned);
+        let least = values[0].min(values[1]).min(values[2]);
+        // Everything is worked out for every ray: branches that depend on it would often be mispredicted.
+        let (ends_behind, ends_before) =
+            self.ends(simd, &values, margin, self.volume.load(simd), self.of_volume.load(simd));
+        let not_outside = bits(least.simd_ge(-margin)) & self.possible;
+        let inside = not_outside & turned & bits(least.simd_gt(margin)) & ends_behind;
+        let mut unsure = not_outside & turned & !inside & !ends_before;
+        let edge_on = self.possible & !turned;
+        if edge_on != 0 {
+            let most = values[0].max(values[1]).max(values[2]);
+            unsure |= edge_on & !(bits(least.simd_lt(-margin)) & bits(most.simd_gt(margin)));
+        }
+        Decided { inside: u64::from(inside), unsure: u64::from(unsure) }
+    }
+
+    /// All active rays against one triangle; bits stand for rays.
+    #[inline(always)]
+    pub(super) fn met_by_groups<S: Simd>(
+        &self,
+        simd: S,
+        triangle: usize,
+        rays: &Rays<'_>,
+        active: u64,
+    ) -> Decided {
+        let n = &self.normals;
+        let (n0, n1, n2) =
+            (splat3(simd, &n[0], triangle), splat3(simd, &n[1], triangle), splat3(simd, &n[2], triangle));
+        let margin = f32x16::splat(simd, self.margin.0[triangle]);
+        let volume = f32x16::splat(simd, self.volume.0[triangle]);
+        let of_volume = f32x16::splat(simd, self.of_volume.0[triangle]);
+        let turned = self.turned >> triangle & 1 == 1;
         let mut decided = Decided::default();
         for group in 0..GROUPS {
-            let here = active >> (16 * group) & 0xffff;
+            let here = (active >> (WIDTH * group) & 0xffff) as u32;
             if here == 0 {
                 continue;
             }
-            let d = &rays.direction[group];
-            let dx = f32x16::from_slice(simd, &d[0].0);
-            let dy = f32x16::from_slice(simd, &d[1].0);
-            let dz = f32x16::from_slice(simd, &d[2].0);
-            let e = ez.mul_add(dz, ey.mul_add(dy, ex * dx));
-            let f = fz.mul_add(dz, fy.mul_add(dy, fx * dx));
-            let g = gz.mul_add(dz, gy.mul_add(dy, gx * dx));
-            let least = e.min(f).min(g);
+            let d = loaded(simd, &rays.directions[group]);
+            let values = [along(&n0, &d), along(&n1, &d), along(&n2, &d)];
+            let least = values[0].min(values[1]).min(values[2]);
+            let (inside, unsure);
             if turned {
-                let not_outside = least.simd_ge(outer).to_bitmask() & here;
-                if not_outside == 0 {
+                let here = bits(least.simd_ge(-margin)) & here;
+                if here == 0 {
                     continue;
                 }
-                let sum = e + f + g;
-                let before_end = (f32x16::splat(simd, least_reach) * (sum - three))
-                    .simd_gt(f32x16::splat(simd, volume + of_volume));
-                let beyond = (f32x16::splat(simd, most_reach) * (sum + three))
-                    .simd_lt(f32x16::splat(simd, volume - of_volume));
-                let inside = least.simd_gt(inner).to_bitmask() & before_end.to_bitmask() & not_outside;
-                let outside = beyond.to_bitmask();
-                decided.inside |= inside << (16 * group);
-                decided.unsure |= (not_outside & !inside & !outside) << (16 * group);
+                let (ends_behind, ends_before) = self.ends(simd, &values, margin, volume, of_volume);
+                inside = here & bits(least.simd_gt(margin)) & ends_behind;
+                unsure = here & !inside & !ends_before;
             } else {
-                let most = e.max(f).max(g);
-                let outside = least.simd_lt(outer).to_bitmask() & most.simd_gt(inner).to_bitmask();
-                decided.unsure |= (here & !outside) << (16 * group);
+                let most = values[0].max(values[1]).max(values[2]);
+                (inside, unsure) = (0, here & !(bits(least.simd_lt(-margin)) & bits(most.simd_gt(margin))));
             }
+            decided.inside |= u64::from(inside) << (WIDTH * group);
+            decided.unsure |= u64::from(unsure) << (WIDTH * group);
         }
         decided
+    }
+
+    /// Where the ray certainly ends behind the plane, and where before it.
+    #[inline(always)]
+    fn ends<S: Simd>(
+        &self,
+        simd: S,
+        values: &Vector<S>,
+        margin: f32x16<S>,
+        volume: f32x16<S>,
+        of_volume: f32x16<S>,
+    ) -> (u32, u32) {
+        let sum = values[0] + values[1] + values[2];
+        let three = margin * f32x16::splat(simd, 3.0);
+        let behind = (f32x16::splat(simd, self.reach[0]) * (sum - three)).simd_gt(volume + of_volume);
+        let before = (f32x16::splat(simd, self.reach[1]) * (sum + three)).simd_lt(volume - of_volume);
+        (bits(behind), bits(before))
     }
 }
 
 #[inline(always)]
-fn splat3<S: Simd>(simd: S, n: &[Vec4; 3], lane: usize) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
-    (f32x16::splat(simd, n[0][lane]), f32x16::splat(simd, n[1][lane]), f32x16::splat(simd, n[2][lane]))
-}
-
-/// A corner seen from the origin, in units of [`Rays::unit`].
-#[inline(always)]
-fn near(corner: &[Vec4; 3], rays: &Rays) -> [Vec4; 3] {
-    let (o, unit) = (rays.origin, rays.unit);
-    [(corner[0] - o.x) * unit, (corner[1] - o.y) * unit, (corner[2] - o.z) * unit]
+fn splat3<S: Simd>(simd: S, n: &[Lanes; 3], lane: usize) -> Vector<S> {
+    [f32x16::splat(simd, n[0].0[lane]), f32x16::splat(simd, n[1].0[lane]), f32x16::splat(simd, n[2].0[lane])]
 }
 
 #[inline(always)]
-fn largest(p: &[Vec4; 3]) -> Vec4 {
+fn loaded<S: Simd>(simd: S, n: &[Lanes; 3]) -> Vector<S> {
+    [n[0].load(simd), n[1].load(simd), n[2].load(simd)]
+}
+
+#[inline(always)]
+fn stored<S: Simd>(n: &Vector<S>) -> [Lanes; 3] {
+    [Lanes::of(n[0]), Lanes::of(n[1]), Lanes::of(n[2])]
+}
+
+/// A corner seen from the origin, in units of [`Rays::unit`]: a power of two, so only the difference is rounded.
+#[inline(always)]
+fn near<S: Simd>(simd: S, corner: &[Lanes; 3], rays: &Rays<'_>) -> Vector<S> {
+    let o = rays.origin;
+    [
+        corner[0].load(simd) - f32x16::splat(simd, o.x),
+        corner[1].load(simd) - f32x16::splat(simd, o.y),
+        corner[2].load(simd) - f32x16::splat(simd, o.z),
+    ]
+}
+
+#[inline(always)]
+fn largest<S: Simd>(p: &Vector<S>) -> f32x16<S> {
     p[0].abs().max(p[1].abs()).max(p[2].abs())
 }
 
 #[inline(always)]
-fn times(p: &[Vec4; 3], factor: Vec4) -> [Vec4; 3] {
+fn height<S: Simd>(simd: S, p: &Vector<S>, normal: Vec3) -> f32x16<S> {
+    let (x, y, z) =
+        (f32x16::splat(simd, normal.x), f32x16::splat(simd, normal.y), f32x16::splat(simd, normal.z));
+    p[2].mul_add(z, p[1].mul_add(y, p[0] * x))
+}
+
+#[inline(always)]
+fn along<S: Simd>(n: &Vector<S>, d: &Vector<S>) -> f32x16<S> {
+    n[2].mul_add(d[2], n[1].mul_add(d[1], n[0] * d[0]))
+}
+
+#[inline(always)]
+fn times<S: Simd>(p: &Vector<S>, factor: f32x16<S>) -> Vector<S> {
     [p[0] * factor, p[1] * factor, p[2] * factor]
 }
 
 #[inline(always)]
-fn cross(p: &[Vec4; 3], q: &[Vec4; 3]) -> [Vec4; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+fn cross<S: Simd>(p: &Vector<S>, q: &Vector<S>) -> Vector<S> {
+    [p[1].mul_sub(q[2], p[2] * q[1]), p[2].mul_sub(q[0], p[0] * q[2]), p[0].mul_sub(q[1], p[1] * q[0])]
 }

@@ -1,136 +1,90 @@
-//! The walk of a bundle through the tree: nearest boxes first, each with the rays that meet it.
+//! The walk of a bundle through a tree.
+//!
+//! Leaves are tested as soon as their node is opened, inner nodes are put on a stack in the order of their slots, which the
+//! build chose (`wide.rs`): leaves before nodes and the largest first, since that is what blocks most. Sorting by distance,
+//! as single rays do, costs more than it saves: a bundle looks into all directions at once.
 
-use super::{Met, boxes::NearBoxes, rays::Rays, triangles::HalfSpaces};
-use crate::{
-    blas::TriangleTree,
-    node::{Child, ChildKind, Node},
-    ray::PreparedRay,
-    triangle::crossing,
-};
-use conray_core::{Ray, Vec3};
+use super::boxes::NearBoxes;
+use super::rays::BoxRays;
+use crate::node::ChildKind;
+use crate::visits::{Visit, count};
+use crate::wide::WideTree;
 use fearless_simd::Simd;
 
-/// Subtrees put off, at most; deeper trees are left to single rays.
+/// Nearly all trees are so shallow that this many subtrees are put off at most; others get their stack from the heap.
 const STACK: usize = 128;
 
-/// A subtree to visit: which rays meet its box, and how far the box is.
-#[derive(Clone, Copy)]
-struct Waiting {
-    child: Child,
-    rays: u64,
-    distance: f32,
+/// A subtree put off: the rays that meet its box, and its node.
+type Entry = (u64, u32);
+
+/// What is done at the leaves. A trait rather than a closure, which would not be compiled for the level of SIMD at hand.
+pub(super) trait Leaves {
+    /// The rays that are still to be followed.
+    fn open(&self) -> u64;
+    /// Takes a leaf that the active rays may meet: where its items are and how many. `None` gives up.
+    fn visit<S: Simd>(&mut self, simd: S, first: u32, items: u32, active: u64) -> Option<()>;
 }
 
-/// Finds what the rays meet among the triangles that are stored in world space; `None` where the tree is too deep.
+/// Visits the leaves whose boxes the rays meet; `None` where a leaf gave up.
 #[inline(always)]
-pub(super) fn walk<S: Simd>(simd: S, triangles: &TriangleTree, rays: &Rays) -> Option<Met> {
-    let tree = &triangles.tree;
-    let mut met = Met::default();
-    if tree.nodes.is_empty() {
-        return Some(met);
-    }
-    if tree.stack_entries > STACK {
-        return None;
-    }
-    let mut next = Waiting { child: Child::inner(0), rays: rays.all, distance: 0.0 };
-    let mut stack = [next; STACK];
-    let mut height = 0;
-    loop {
-        let active = next.rays & !met.blocked;
-        if active != 0 {
-            match next.child.kind() {
-                ChildKind::Inner(index) => {
-                    height = open(simd, &tree.nodes[index as usize], rays, active, &mut stack, height);
-                }
-                ChildKind::Leaf(first, items) => {
-                    leaf(simd, triangles, (first, items), rays, active, &mut met)
-                }
-            }
-        }
-        if height == 0 || met.blocked == rays.all {
-            return Some(met);
-        }
-        height -= 1;
-        next = stack[height];
-    }
-}
-
-/// Puts the children that active rays meet on the stack, the nearest on top, and gives its new height.
-#[inline(always)]
-fn open<S: Simd>(
+pub(super) fn walk<S: Simd>(
     simd: S,
-    node: &Node,
-    rays: &Rays,
-    active: u64,
-    stack: &mut [Waiting; STACK],
-    base: usize,
-) -> usize {
-    let boxes = NearBoxes::new(node, rays);
-    let mut height = base;
-    let mut reachable = boxes.reachable;
-    while reachable != 0 {
-        let child = reachable.trailing_zeros() as usize & 3;
-        reachable &= reachable - 1;
-        let here = boxes.met_by(simd, child, rays, active);
-        if here == 0 {
+    tree: &WideTree,
+    rays: &BoxRays,
+    leaves: &mut impl Leaves,
+) -> Option<()> {
+    if tree.nodes.is_empty() {
+        Some(())
+    } else if tree.stack_entries <= STACK {
+        walk_with(simd, tree, rays, leaves, &mut [(0, 0); STACK])
+    } else {
+        walk_with(simd, tree, rays, leaves, &mut vec![(0, 0); tree.stack_entries])
+    }
+}
+
+#[inline(always)]
+fn walk_with<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    rays: &BoxRays,
+    leaves: &mut impl Leaves,
+    stack: &mut [Entry],
+) -> Option<()> {
+    stack[0] = (leaves.open(), 0);
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        let (rays_to_node, index) = stack[height];
+        let active = rays_to_node & leaves.open();
+        if active == 0 {
             continue;
         }
-        let entry = Waiting { child: node.children[child], rays: here, distance: boxes.distance[child] };
-        let mut at = height;
-        while at > base && stack[at - 1].distance < entry.distance {
-            stack[at] = stack[at - 1];
-            at -= 1;
-        }
-        stack[at] = entry;
-        height += 1;
-    }
-    height
-}
-
-/// Tests the triangles of a leaf.
-#[inline(always)]
-fn leaf<S: Simd>(
-    simd: S,
-    triangles: &TriangleTree,
-    (first, items): (u32, u32),
-    rays: &Rays,
-    active: u64,
-    met: &mut Met,
-) {
-    let mut left = items as usize;
-    for packet in first as usize..(first + items.div_ceil(4)) as usize {
-        let four = HalfSpaces::new(&triangles.packets[packet], rays);
-        for lane in 0..left.min(4) {
-            let decided = four.test(simd, lane, rays, active & !met.blocked);
-            if decided.inside | decided.unsure == 0 {
-                continue;
-            }
-            if triangles.ids[packet][lane].is_opaque() {
-                met.blocked |= decided.inside;
-                if decided.unsure != 0 {
-                    met.blocked |= settle(&triangles.packets[packet].lane(lane), rays, decided.unsure);
-                }
-            } else {
-                met.unsettled |= decided.inside | decided.unsure;
+        let node = &tree.nodes[index as usize];
+        let boxes = NearBoxes::new(simd, node, rays);
+        count(Visit::Node, 1);
+        count(Visit::NodeRay, active.count_ones());
+        count(Visit::Reachable, boxes.reachable.count_ones());
+        let met = boxes.met(simd, rays, active);
+        let leaf_slots = node.leaf_slots(simd);
+        let mut slots = met.children & leaf_slots;
+        while slots != 0 {
+            let slot = slots.trailing_zeros() as usize & 15;
+            slots &= slots - 1;
+            let here = boxes.rays_to(simd, rays, &met, slot, active) & leaves.open();
+            if let (true, ChildKind::Leaf(first, items)) = (here != 0, node.children[slot].kind()) {
+                leaves.visit(simd, first, items, here)?;
             }
         }
-        left = left.saturating_sub(4);
-    }
-}
-
-/// The exact test of the rays that the wide one was not sure of.
-#[cold]
-fn settle(corners: &[Vec3; 3], rays: &Rays, mut unsure: u64) -> u64 {
-    let mut blocked = 0;
-    while unsure != 0 {
-        let index = unsure.trailing_zeros() as usize;
-        unsure &= unsure - 1;
-        let direction = rays.direction[index / 16].map(|axis| axis.0[index % 16]);
-        let ray = Ray { origin: rays.origin, direction: Vec3::from_array(direction), t_max: rays.t_max };
-        let met = PreparedRay::new(&ray).and_then(|ray| crossing(corners, &ray));
-        if met.is_some_and(|c| c.t < rays.t_max) {
-            blocked |= 1 << index;
+        let mut slots = met.children & !leaf_slots;
+        while slots != 0 {
+            let slot = slots.trailing_zeros() as usize & 15;
+            slots &= slots - 1;
+            let here = boxes.rays_to(simd, rays, &met, slot, active);
+            if here != 0 {
+                stack[height] = (here, node.children[slot].index());
+                height += 1;
+            }
         }
     }
-    blocked
+    Some(())
 }

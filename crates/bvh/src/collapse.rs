@@ -1,0 +1,163 @@
+//! Which nodes of a two-way tree become the children of sixteen-wide ones: the cheapest choice there is.
+//!
+//! By dynamic programming over the tree, after Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", 2017, section 4: for each node and each number of slots the least cost, by the surface area
+//! heuristic, of putting all below it into that many slots. Leaving out slots never helps, so "at most" needs no case.
+
+use crate::binary::BinaryTree;
+use crate::lanes::WIDTH;
+use rayon::join;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// What leaves are made of, and what visits cost a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LeafRule {
+    /// Most items in a leaf, at most [`crate::node::Child::MAX_ITEMS`].
+    pub(crate) max_items: u32,
+    /// Items that always stay together, at most `max_items`.
+    pub(crate) group: u32,
+    /// Cost of a leaf, and of each item in it, in units of a visit to a node.
+    pub(crate) leaf_cost: f32,
+    pub(crate) item_cost: f32,
+}
+
+/// Subtrees of this depth are looked at by one thread; above it, halves are shared out.
+const SHARED_LEVELS: u32 = 8;
+
+/// Four bits for each number of slots from 1 to 16: the slots for the first child's subtree, or [`AS_ONE`].
+type Choices = u64;
+/// The subtree takes one slot only. With 16 slots, which only a whole node has, it means 15 for the first child.
+const AS_ONE: u64 = 15;
+/// In the place of one slot: a leaf.
+const LEAF: u64 = 1;
+
+/// The choice for every node.
+pub(crate) struct Collapse<'a> {
+    binary: &'a BinaryTree,
+    choices: Vec<AtomicU64>,
+}
+
+/// Items below a node, and the least cost of putting them into 1 to 16 slots.
+struct Costs {
+    items: u32,
+    by_slots: [f32; WIDTH],
+}
+
+impl<'a> Collapse<'a> {
+    /// Chooses for all nodes of a tree that is not empty.
+    pub(crate) fn new(binary: &'a BinaryTree, rule: LeafRule) -> Self {
+        let choices = std::iter::repeat_with(|| AtomicU64::new(0)).take(binary.nodes.len()).collect();
+        let collapse = Self { binary, choices };
+        collapse.choose(0, rule, SHARED_LEVELS);
+        collapse
+    }
+
+    fn choose(&self, index: u32, rule: LeafRule, shared_levels: u32) -> Costs {
+        let node = &self.binary.nodes[index as usize];
+        let area = node.aabb().half_area();
+        if node.is_leaf() {
+            self.choices[index as usize].store(all_as_one(LEAF), Relaxed);
+            let cost = area * (rule.leaf_cost + rule.item_cost * node.prim_count as f32);
+            return Costs { items: node.prim_count, by_slots: [cost; WIDTH] };
+        }
+        let (left, right) = (node.first_index, node.first_index + 1);
+        let below = shared_levels.saturating_sub(1);
+        let (left, right) = if shared_levels > 0 {
+            join(|| self.choose(left, rule, below), || self.choose(right, rule, below))
+        } else {
+            (self.choose(left, rule, 0), self.choose(right, rule, 0))
+        };
+        let items = left.items + right.items;
+        let (mut by_slots, firsts) = distributed(&left.by_slots, &right.by_slots);
+        let as_node = area + by_slots[WIDTH - 1];
+        let as_leaf = if items <= rule.max_items {
+            area * (rule.leaf_cost + rule.item_cost * items as f32)
+        } else {
+            f32::INFINITY
+        };
+        let is_leaf = as_leaf <= as_node;
+        let one = if is_leaf { as_leaf } else { as_node };
+        by_slots[0] = one;
+        let mut choices: Choices = if is_leaf { LEAF } else { 0 };
+        for slots in 2..=WIDTH {
+            let first = if slots < WIDTH && one <= by_slots[slots - 1] {
+                by_slots[slots - 1] = one;
+                AS_ONE
+            } else {
+                u64::from(firsts[slots - 1])
+            };
+            choices |= first << (4 * (slots - 1));
+        }
+        self.choices[index as usize].store(choices, Relaxed);
+        Costs { items, by_slots }
+    }
+
+    /// Half the area of a node's box, in units of the two-way tree.
+    pub(crate) fn area(&self, node: u32) -> f32 {
+        self.binary.nodes[node as usize].aabb().half_area()
+    }
+
+    /// True where a node becomes a leaf.
+    pub(crate) fn is_leaf(&self, node: u32) -> bool {
+        self.choices[node as usize].load(Relaxed) & 15 == LEAF
+    }
+
+    /// The nodes that become the children of the wide node made from `node`; one where it is a leaf itself.
+    pub(crate) fn open(&self, node: u32) -> ([u32; WIDTH], usize) {
+        let (mut children, mut count) = ([node; WIDTH], 0);
+        if self.is_leaf(node) {
+            return (children, 1);
+        }
+        let mut pending = [(node, WIDTH); WIDTH];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (node, slots) = pending[height];
+            let first = (self.choices[node as usize].load(Relaxed) >> (4 * (slots - 1)) & 15) as usize;
+            if slots == 1 || (slots < WIDTH && first as u64 == AS_ONE) {
+                children[count] = node;
+                count += 1;
+            } else {
+                let left = self.binary.nodes[node as usize].first_index;
+                pending[height] = (left + 1, slots - first);
+                pending[height + 1] = (left, first);
+                height += 2;
+            }
+        }
+        (children, count)
+    }
+
+    /// Items of the leaves below a node, in order.
+    pub(crate) fn items_below(&self, node: u32, items: &mut Vec<u32>) {
+        items.clear();
+        let mut stack = vec![node];
+        while let Some(n) = stack.pop() {
+            let node = &self.binary.nodes[n as usize];
+            if node.is_leaf() {
+                items.extend(self.binary.items(node));
+            } else {
+                stack.extend([node.first_index + 1, node.first_index]);
+            }
+        }
+    }
+}
+
+/// One slot or more: a leaf of the two-way tree never takes more than one.
+fn all_as_one(kind: u64) -> Choices {
+    (1..WIDTH - 1).fold(kind, |choices, slot| choices | AS_ONE << (4 * slot))
+}
+
+/// For 2 to 16 slots the least sum of two subtrees' costs, and how many slots the first then has.
+fn distributed(left: &[f32; WIDTH], right: &[f32; WIDTH]) -> ([f32; WIDTH], [u8; WIDTH]) {
+    let (mut costs, mut firsts) = ([f32::INFINITY; WIDTH], [0; WIDTH]);
+    for first in 1..WIDTH {
+        for second in 1..=WIDTH - first {
+            let slots = first + second;
+            let cost = left[first - 1] + right[second - 1];
+            if cost < costs[slots - 1] {
+                (costs[slots - 1], firsts[slots - 1]) = (cost, first as u8);
+            }
+        }
+    }
+    (costs, firsts)
+}
