@@ -20,17 +20,21 @@ pub struct Outcome {
     pub cones: u64,
 }
 
+/// Rays of the first pass: a quarter of a bundle, which costs little more than fewer would.
+const FIRST_PASS: u32 = 16;
 /// Rays of a pass at most, so that stopping is quick.
 const LARGEST_PASS: u32 = 256;
 
-/// Ranges of samples: small ones first, each as large as all before it, up to [`LARGEST_PASS`].
+/// Ranges of samples: few first, then three times as many as all before, up to [`LARGEST_PASS`], so that the ranges end
+/// where bundles of 64 do.
 ///
 /// The ranges depend on the number of samples alone, so results are the same bits wherever they are computed.
 fn passes(samples: u32) -> impl Iterator<Item = Range<u32>> {
     let mut start = 0;
     std::iter::from_fn(move || {
         (start < samples).then(|| {
-            let end = (start + start.clamp(4, LARGEST_PASS)).min(samples);
+            let now = if start == 0 { FIRST_PASS } else { (3 * start).min(LARGEST_PASS) };
+            let end = (start + now).min(samples);
             std::mem::replace(&mut start, end)..end
         })
     })
@@ -87,12 +91,12 @@ mod tests {
     fn passes_cover_every_sample_once_and_start_small() {
         for samples in [1, 3, 4, 5, 64, 100, 1000, 4096] {
             let ranges: Vec<_> = passes(samples).collect();
-            assert!(ranges[0].end <= 4);
+            assert!(ranges[0].end <= 16);
             assert_eq!(ranges[0].start, 0);
             assert_eq!(ranges.last().unwrap().end, samples);
             assert!(ranges.windows(2).all(|w| w[0].end == w[1].start));
             assert!(ranges.iter().all(|r| r.end > r.start && r.end - r.start <= LARGEST_PASS));
         }
-        assert_eq!(passes(64).map(|r| r.end).collect::<Vec<_>>(), [4, 8, 16, 32, 64]);
+        assert_eq!(passes(600).map(|r| r.end).collect::<Vec<_>>(), [16, 64, 256, 512, 600]);
     }
 }

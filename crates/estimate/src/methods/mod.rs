@@ -3,6 +3,7 @@
 mod cones;
 mod paper;
 mod point_rays;
+mod quarters;
 mod rays;
 #[cfg(test)]
 mod tests;

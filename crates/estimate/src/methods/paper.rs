@@ -6,12 +6,12 @@
 
 use super::{
     cones::march_all,
-    point_rays::{PointRays, Tally},
+    point_rays::{PointRays, RayQueue, Tally},
 };
 use crate::AoPlan;
 use conray_bvh::Bvh;
-use conray_core::{ConeEstimate, Estimate, SurfacePoint, Vec3, hash_u32, owen_sobol_2d};
-use conray_voxel::Octree;
+use conray_core::{Cone, ConeEstimate, Estimate, SurfacePoint, Vec3, hash_u32, owen_sobol_2d};
+use conray_voxel::{ConeResult, Octree};
 use std::ops::Range;
 
 /// The published blend of cones and rays.
@@ -28,25 +28,20 @@ impl Paper<'_> {
         let plan = self.plan;
         let point_rays = PointRays::new(plan, self.bvh, point);
         let seed = hash_u32(point.id ^ hash_u32(plan.seed));
+        let marched: Vec<_> = march_all(plan, self.octree, point).collect();
+        let tallies = self.trace(&point_rays, seed, &marched);
         let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
         let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
-        for ((cone, axis, result), cone_index) in march_all(plan, self.octree, point).zip(0u32..) {
-            let share = cone_share(result.error, plan);
-            let per_frame = ray_count(share, plan.max_rays);
-            let mut tally = Tally::default();
-            let cone_seed = hash_u32(seed.wrapping_add(cone_index));
-            for index in self.frames.start * per_frame..self.frames.end * per_frame {
-                point_rays.trace(cone.sample(owen_sobol_2d(index, cone_seed)), &mut tally);
-            }
-            let alpha = if per_frame > 0 { share } else { 1.0 };
+        for ((cone, axis, result), tally) in marched.iter().zip(&tallies) {
+            let alpha = if tally.rays > 0 { cone_share(result.error, plan) } else { 1.0 };
             visibility += cone.weight * (alpha * result.visibility + (1.0 - alpha) * tally.mean());
             trusted_error += cone.weight * alpha * result.error;
-            if per_frame > 0 {
+            if tally.rays > 0 {
                 ray_variance += (cone.weight * (1.0 - alpha)).powi(2) * tally.variance_of_mean();
             }
             let open_by_rays = tally.open / tally.rays.max(1) as f32;
-            bent += cone.weight * (alpha * result.visibility * axis + (1.0 - alpha) * open_by_rays);
+            bent += cone.weight * (alpha * result.visibility * *axis + (1.0 - alpha) * open_by_rays);
             rays += tally.rays;
             all.visibility += cone.weight * result.visibility;
             all.error += cone.weight * result.error;
@@ -55,6 +50,21 @@ impl Paper<'_> {
         // Cone errors are taken as fully correlated, those of rays as independent.
         let error = trusted_error + ray_variance.sqrt();
         Estimate { visibility, error, rays, bent, cone: Some(all) }
+    }
+
+    /// Traces the rays of all cones, those of neighbouring cones in one bundle; a tally for each cone.
+    fn trace(&self, rays: &PointRays<'_>, seed: u32, marched: &[(&Cone, Vec3, ConeResult)]) -> Vec<Tally> {
+        let mut tallies = vec![Tally::default(); marched.len()];
+        let mut queue = RayQueue::new(rays);
+        for (index, (cone, _, result)) in marched.iter().enumerate() {
+            let per_frame = ray_count(cone_share(result.error, self.plan), self.plan.max_rays);
+            let cone_seed = hash_u32(seed.wrapping_add(index as u32));
+            for sample in self.frames.start * per_frame..self.frames.end * per_frame {
+                queue.push(cone.sample(owen_sobol_2d(sample, cone_seed)), index, &mut tallies);
+            }
+        }
+        queue.trace(&mut tallies);
+        tallies
     }
 }
 

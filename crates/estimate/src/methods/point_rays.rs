@@ -1,14 +1,14 @@
 //! Rays that leave one surface point, and the tally of what they met.
 
 use crate::AoPlan;
-use conray_bvh::Bvh;
-use conray_core::{Frame, Ray, SurfacePoint, Vec3};
+use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
+use conray_core::{Falloff, Frame, Ray, SurfacePoint, Vec3};
 
 /// All that the rays of a point share.
 pub(crate) struct PointRays<'a> {
     plan: &'a AoPlan,
     bvh: &'a Bvh,
-    frame: Frame,
+    pub(super) frame: Frame,
     geometric_normal: Vec3,
     origin: Vec3,
 }
@@ -24,19 +24,71 @@ impl<'a> PointRays<'a> {
         }
     }
 
-    /// Traces one ray, its direction given about the shading normal, into a tally.
+    /// Visibility along each direction of a bundle, in world space.
     ///
     /// Below the geometric surface the point's own surface is in the way.
     #[inline]
-    pub(crate) fn trace(&self, local: Vec3, tally: &mut Tally) {
-        let direction = self.frame.to_world(local);
-        let visibility = if direction.dot(self.geometric_normal) > 0.0 {
-            let ray = Ray { origin: self.origin, direction, t_max: self.plan.distance };
-            self.bvh.visibility(&ray, self.plan.falloff, self.plan.distance)
-        } else {
-            0.0
-        };
-        tally.add(visibility, direction);
+    pub(crate) fn visibilities(&self, directions: &Directions, out: &mut [f32]) {
+        let (origin, normal, distance) = (self.origin, self.geometric_normal, self.plan.distance);
+        if self.plan.falloff == Falloff::None || distance == f32::INFINITY {
+            return self.bvh.transmittances(origin, normal, directions, distance, out);
+        }
+        for (index, visible) in out.iter_mut().enumerate() {
+            let direction = directions.get(index);
+            *visible = if direction.dot(normal) > 0.0 {
+                let ray = Ray { origin, direction, t_max: distance };
+                self.bvh.visibility(&ray, self.plan.falloff, distance)
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Traces a bundle into a tally and empties it.
+    #[inline]
+    pub(crate) fn trace(&self, directions: &mut Directions, tally: &mut Tally) {
+        let mut visible = [0.0; BUNDLE_RAYS];
+        let visible = &mut visible[..directions.len()];
+        self.visibilities(directions, visible);
+        for (index, &visible) in visible.iter().enumerate() {
+            tally.add(visible, directions.get(index));
+        }
+        directions.clear();
+    }
+}
+
+/// Rays of several tallies on their way into bundles.
+pub(crate) struct RayQueue<'a> {
+    rays: &'a PointRays<'a>,
+    directions: Directions,
+    /// The tally of each direction.
+    owners: [u16; BUNDLE_RAYS],
+}
+
+impl<'a> RayQueue<'a> {
+    pub(crate) fn new(rays: &'a PointRays<'a>) -> Self {
+        Self { rays, directions: Directions::new(), owners: [0; BUNDLE_RAYS] }
+    }
+
+    /// Adds a ray, its direction given about the shading normal, for one of the tallies.
+    #[inline]
+    pub(crate) fn push(&mut self, local: Vec3, owner: usize, tallies: &mut [Tally]) {
+        self.owners[self.directions.len()] = owner as u16;
+        self.directions.push(self.rays.frame.to_world(local));
+        if self.directions.len() == BUNDLE_RAYS {
+            self.trace(tallies);
+        }
+    }
+
+    /// Traces what is there.
+    pub(crate) fn trace(&mut self, tallies: &mut [Tally]) {
+        let mut visible = [0.0; BUNDLE_RAYS];
+        let visible = &mut visible[..self.directions.len()];
+        self.rays.visibilities(&self.directions, visible);
+        for (index, (&visible, &owner)) in visible.iter().zip(&self.owners).enumerate() {
+            tallies[owner as usize].add(visible, self.directions.get(index));
+        }
+        self.directions.clear();
     }
 }
 

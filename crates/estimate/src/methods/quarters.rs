@@ -1,0 +1,34 @@
+//! Samples sorted into bundles by the quarter of the square that they lie in.
+
+use super::rays::Sixteen;
+use conray_bvh::{BUNDLE_RAYS, Directions};
+use conray_core::{LANES, Vec3};
+
+/// A bundle for each quarter of the unit square, which the cosine-weighted map takes to a quarter of the hemisphere.
+pub(super) struct Quarters {
+    bundles: [Directions; 4],
+}
+
+impl Quarters {
+    pub(super) fn new() -> Self {
+        Self { bundles: std::array::from_fn(|_| Directions::new()) }
+    }
+
+    /// Adds the first `count` of sixteen samples (all, where it is more); `trace` gets each bundle that is full, to empty it.
+    pub(super) fn push(&mut self, sixteen: &Sixteen, count: usize, mut trace: impl FnMut(&mut Directions)) {
+        let Sixteen { square: [u, v], world: [x, y, z] } = sixteen;
+        for lane in 0..LANES.min(count) {
+            let quarter = usize::from(u[lane] >= 0.5) | usize::from(v[lane] >= 0.5) << 1;
+            let bundle = &mut self.bundles[quarter];
+            bundle.push(Vec3::new(x[lane], y[lane], z[lane]));
+            if bundle.len() == BUNDLE_RAYS {
+                trace(bundle);
+            }
+        }
+    }
+
+    /// Hands over the rest.
+    pub(super) fn finish(&mut self, trace: impl FnMut(&mut Directions)) {
+        self.bundles.iter_mut().filter(|bundle| !bundle.is_empty()).for_each(trace);
+    }
+}
