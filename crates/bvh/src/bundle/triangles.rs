@@ -6,10 +6,14 @@
 //!
 //! # What is certain
 //!
-//! Let m be the largest coordinate of the corners and u = 2^-24. Corners err by u m; a cross product's component, two products
-//! of such, by 2 (2 + 2) u m^2 and some; with d of length 1 a half-space value errs by less than 24 u m^2, their sum by
-//! 72 u m^2, the volume by 40 u m^3. The exact test decides on rounded sheared corners, whose edge functions err by
-//! 28 u m^2 times at most 3 (`triangle.rs`, with |d_z| at least 1 / sqrt 3). [`MARGIN`] covers both together.
+//! Let m be the largest coordinate of the corners as seen from the origin, u = 2^-24, and d of length 1. The exact test of
+//! `triangle.rs` decides by the signs of edge functions of rounded corners, and what is compared here are values of the same
+//! rounded differences, so their rounding cancels. Its shear rounds each coordinate by up to 4 u m, of values up to 2 m, so its
+//! edge functions, times |d_z| <= 1, are off by 32 u m^2. Here a component of a cross product errs by up to 4 u m^2, a value by
+//! 4 sqrt(3) u m^2 and 9 u m^2 in its own sums: 16 u m^2. Together 48 u m^2; [`MARGIN`] is 64 u.
+//!
+//! Distances are compared with the exact test's, which starts from unrounded corners: the sum of the values errs by
+//! 3 (16 + 7) u m^2, for which three margins are taken, the volume by 48 u m^3.
 
 use super::directions::GROUPS;
 use super::rays::Rays;
@@ -18,10 +22,10 @@ use crate::packet::Packet;
 use conray_core::Vec3;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
-/// Bound on the errors of half-space values, in units of m^2; of the volume, of m^3. 256 u.
+/// Bound on the errors of half-space values, in units of m^2, and of the volume, in units of m^3.
 const MARGIN: f32 = 64.0 / 16_777_216.0;
 
-/// Least margin, far above what underflow can lose: lengths are near 1 (`Rays::unit`).
+/// Least margin, far above what underflow can lose (`rays.rs` holds lengths between 1e-9 and 1e9).
 const LEAST_MARGIN: f32 = 1e-30;
 
 /// Bound on the rounding of a corner's height over the surface, as a share of its largest coordinate times the sum of the
@@ -32,7 +36,7 @@ const HEIGHT_ROUNDING: f32 = 8.0 / 16_777_216.0;
 pub(super) struct HalfSpaces {
     /// Normals opposite the corners, turned so that inside is positive: by corner, then axis.
     normals: [[Lanes; 3]; 3],
-    /// Absolute volume, in units of `Rays::unit`, and the bound on its error.
+    /// Absolute volume, and the bound on its error.
     volume: Lanes,
     of_volume: Lanes,
     /// Margin of half-space values.
@@ -41,7 +45,7 @@ pub(super) struct HalfSpaces {
     pub(super) possible: u32,
     /// Triangles whose volume's sign is certain.
     turned: u32,
-    /// `t_max` in units, less and more some ulps.
+    /// `t_max`, less and more some ulps.
     reach: [f32; 2],
 }
 
@@ -55,7 +59,7 @@ pub(super) struct Decided {
 type Vector<S> = [f32x16<S>; 3];
 
 impl HalfSpaces {
-    /// `normal` is that of the surface that the rays leave; `used` has a bit for each triangle that there is.
+    /// `used` has a bit for each triangle that there is.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, packet: &Packet, used: u32, rays: &Rays<'_>) -> Self {
         let p = &packet.corners;
@@ -74,7 +78,7 @@ impl HalfSpaces {
         let volume = volume.abs();
         let margin = (size * size * f32x16::splat(simd, MARGIN)).max(f32x16::splat(simd, LEAST_MARGIN));
         let of_volume = margin * size.max(f32x16::splat(simd, 1e-10));
-        // A length in units; t itself is compared with some ulps to spare.
+        // Finite, so that it times zero is a number; t itself is compared with some ulps to spare.
         let t_max = (rays.t_max).min(f32::MAX);
         Self {
             normals: [stored(&n0), stored(&n1), stored(&n2)],
@@ -190,7 +194,7 @@ fn stored<S: Simd>(n: &Vector<S>) -> [Lanes; 3] {
     [Lanes::of(n[0]), Lanes::of(n[1]), Lanes::of(n[2])]
 }
 
-/// A corner seen from the origin, in units of [`Rays::unit`]: a power of two, so only the difference is rounded.
+/// A corner seen from the origin.
 #[inline(always)]
 fn near<S: Simd>(simd: S, corner: &[Lanes; 3], rays: &Rays<'_>) -> Vector<S> {
     let o = rays.origin;
