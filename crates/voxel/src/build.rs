@@ -3,6 +3,7 @@
 use crate::{
     Octree, OctreeOptions, VoxelError,
     clusters::Clusters,
+    filter_bits::FilterBits,
     grid::Grid,
     level::{BrickTable, Bricks, LeafBrick, Level, NodeBrick},
     marks::BrickMarks,
@@ -83,13 +84,12 @@ impl Plan {
 
     fn carry_out(self, geometry: &Geometry, clusters: Clusters, directional: bool) -> Octree {
         let Self { grid, marks, codes, peak_bytes } = self;
-        let mut leaves = vec![LeafBrick::EMPTY; codes.len()];
+        let mut leaves = vec![LeafBrick::EMPTY; codes.len() + 1];
         let mut axes: Vec<AxisBrick> = vec![[[0; 3]; 512]; if directional { codes.len() } else { 0 }];
-        voxelise(geometry, &clusters, &grid, &marks, &mut leaves, &mut axes);
+        voxelise(geometry, &clusters, &grid, &marks, &mut leaves[1..], &mut axes);
         drop((clusters, marks));
         let side = grid.resolution;
-        let table = BrickTable::new(side, &codes);
-        let mut levels = vec![Level { side, codes, table, bricks: Bricks::Leaves(leaves), axes }];
+        let mut levels = vec![Level::new(side, codes, Bricks::Leaves(leaves), axes)];
         build_upper_levels(&mut levels);
         Octree { grid, levels, peak_bytes }
     }
@@ -133,7 +133,8 @@ fn peak_bytes(
     let (mut held, mut sums) = (leaves, 0);
     let (mut side, mut codes) = (resolution, codes.to_vec());
     for level in 0u32.. {
-        held += 4 * codes.len() as u64 + BrickTable::bytes_for(side, &codes);
+        held += 4 * codes.len() as u64 + BrickTable::bytes_for(side);
+        held += FilterBits::bytes_for(side, &codes);
         if level > 0 {
             held += codes.len() as u64 * (size_of::<NodeBrick>() as u64 + axes);
         }

@@ -59,7 +59,7 @@ impl Octree {
         let nodes = level.codes.len() * 512;
         let stride = (nodes / 512).max(1) | 1;
         for k in (0..nodes).step_by(stride) {
-            let (brick, index) = ((k / 512) as u32, k % 512);
+            let (brick, index) = ((k / 512) as u32 + 1, k % 512);
             let cell = cell_of(level, brick, index);
             if cell.max_element() >= level.side as i32 {
                 continue;
@@ -97,7 +97,7 @@ fn check_table(level: &Level) -> Result<(), String> {
         Bricks::Leaves(b) => b.len(),
         Bricks::Nodes(b) => b.len(),
     };
-    if bricks != level.codes.len() || !(level.axes.is_empty() || level.axes.len() == bricks) {
+    if bricks != level.codes.len() + 1 || !(level.axes.is_empty() || level.axes.len() == level.codes.len()) {
         return Err("arrays of different lengths".into());
     }
     if !level.codes.is_sorted_by(|a, b| a < b) {
@@ -109,15 +109,16 @@ fn check_table(level: &Level) -> Result<(), String> {
         for y in 0..across {
             for x in 0..across {
                 let place = UVec3::new(x, y, z);
-                let Some(brick) = level.table.find(place) else { continue };
-                if level.codes.get(brick as usize) != Some(&morton::encode(place)) {
+                let Some(brick) = level.brick_at(place) else { continue };
+                if level.codes.get(brick as usize - 1) != Some(&morton::encode(place)) {
                     return Err(format!("the table has brick {brick} at {place}"));
                 }
                 found += 1;
             }
         }
     }
-    if found == bricks { Ok(()) } else { Err(format!("{found} of {bricks} bricks are in the table")) }
+    let all = level.codes.len();
+    if found == all { Ok(()) } else { Err(format!("{found} of {all} bricks are in the table")) }
 }
 
 /// What holds for a node by itself.
@@ -143,7 +144,7 @@ fn check_nodes(level: &Level) -> Result<(), String> {
 }
 
 fn cell_of(level: &Level, brick: u32, index: usize) -> IVec3 {
-    let corner = morton::decode(level.codes[brick as usize]) * 8;
+    let corner = morton::decode(level.codes[brick as usize - 1]) * 8;
     let local = UVec3::new(index as u32 & 7, index as u32 >> 3 & 7, index as u32 >> 6);
     debug_assert_eq!(cell_in_brick(local), index);
     (corner + local).as_ivec3()
@@ -153,7 +154,7 @@ fn for_each_node(
     level: &Level,
     check: impl Fn(IVec3, u32, usize) -> Result<(), String>,
 ) -> Result<(), String> {
-    for brick in 0..level.codes.len() as u32 {
+    for brick in 1..=level.codes.len() as u32 {
         for index in 0..512 {
             check(cell_of(level, brick, index), brick, index)?;
         }

@@ -5,20 +5,19 @@
 //! none the cone is taken alone; rays follow an Owen-scrambled Sobol sequence per cone.
 
 use super::{
-    cones::march_all,
+    cones::Marches,
     point_rays::{PointRays, Tally},
 };
 use crate::AoPlan;
 use conray_bvh::Bvh;
 use conray_core::{ConeEstimate, Estimate, SurfacePoint, Vec3, hash_u32, owen_sobol_2d};
-use conray_voxel::Octree;
 use std::ops::Range;
 
 /// The published blend of cones and rays.
 pub(crate) struct Paper<'a> {
     pub(crate) plan: &'a AoPlan,
     pub(crate) bvh: &'a Bvh,
-    pub(crate) octree: &'a Octree,
+    pub(crate) marches: Marches<'a>,
     /// Which frames; each has rays of its own, and their mean is the estimate.
     pub(crate) frames: Range<u32>,
 }
@@ -31,7 +30,7 @@ impl Paper<'_> {
         let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
         let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
-        for ((cone, axis, result), cone_index) in march_all(plan, self.octree, point).zip(0u32..) {
+        for ((cone, axis, result), cone_index) in self.marches.at(point).zip(0u32..) {
             let share = cone_share(result.error, plan);
             let per_frame = ray_count(share, plan.max_rays);
             let mut tally = Tally::default();

@@ -1,0 +1,132 @@
+//! The march of sixteen cones that share their steps.
+
+use super::{
+    lanes::{Fan, LANES, Lanes, LocalAxes},
+    places::Places,
+};
+use crate::{
+    ConeResult, Octree, compose::Composition, level::Level, march::blocked_by,
+    steps::Step,
+};
+use conray_core::Vec3;
+use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
+
+/// Marches the cones; lanes without a cone are open.
+#[inline(always)]
+pub(super) fn march<S: Simd>(simd: S, octree: &Octree, steps: &[Step], fan: &Fan, axes: &LocalAxes) -> [ConeResult; LANES] {
+    let mut compositions = [const { Composition::OPEN }; LANES];
+    let mut active = axes.all;
+    let paths = Paths::new(simd, fan, axes);
+    let mut stored_axes = [Lanes([0.0; LANES]); 3];
+    paths.axis[0].store_slice(&mut stored_axes[0].0);
+    paths.axis[1].store_slice(&mut stored_axes[1].0);
+    paths.axis[2].store_slice(&mut stored_axes[2].0);
+    for (index, step) in steps.iter().enumerate() {
+        let at = paths.at(simd, step);
+        let coarse = step.coarse();
+        let nodes = &octree.levels[coarse];
+        let places = Places::new(simd, &at, coarse, nodes.side);
+        let reachable = places.inside & active;
+        if reachable == 0 {
+            continue;
+        }
+        let mut met = met(simd, nodes, &places.place) & reachable;
+        if met == 0 {
+            continue;
+        }
+        let coarse_places = places.stored();
+        let finer = &octree.levels[step.level];
+        let fine_places = Places::new(simd, &at, step.level, finer.side).stored();
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            let mut slope = fine_places.slope(simd, lane, finer, step.level);
+            if step.share > 0.0 {
+                slope = slope.lerp(coarse_places.slope(simd, lane, nodes, coarse), step.share);
+            }
+            let axis = Vec3::new(stored_axes[0].0[lane], stored_axes[1].0[lane], stored_axes[2].0[lane]);
+            let blocked = blocked_by(&slope, step, axis);
+            if compositions[lane].add(index, step, blocked, slope.sample.sd) {
+                active &= !(1 << lane);
+            }
+        }
+        if active == 0 {
+            break;
+        }
+    }
+    let mut results = [ConeResult { visibility: 1.0, error: 0.0 }; LANES];
+    for (result, composition) in results.iter_mut().zip(&compositions) {
+        *result = composition.result();
+    }
+    results
+}
+
+/// The lines on which sixteen cones are sampled, in leaves.
+struct Paths<S: Simd> {
+    apex: [f32x16<S>; 3],
+    normal: [f32x16<S>; 3],
+    axis: [f32x16<S>; 3],
+    /// Height over the tangent plane gained per length.
+    rise: f32x16<S>,
+}
+
+impl<S: Simd> Paths<S> {
+    #[inline(always)]
+    fn new(simd: S, fan: &Fan, axes: &LocalAxes) -> Self {
+        let apex = splat(simd, fan.apex);
+        let normal = splat(simd, fan.normal);
+        let (fx, fy, fz) = (splat(simd, fan.frame.x), splat(simd, fan.frame.y), splat(simd, fan.frame.z));
+        let x = f32x16::from_slice(simd, &axes.components[0].0);
+        let y = f32x16::from_slice(simd, &axes.components[1].0);
+        let z = f32x16::from_slice(simd, &axes.components[2].0);
+        // Products and sums apart, never fused, in the order of `Frame::to_world`: the same bits at every level.
+        let axis_x = fx[0] * x + fy[0] * y + fz[0] * z;
+        let axis_y = fx[1] * x + fy[1] * y + fz[1] * z;
+        let axis_z = fx[2] * x + fy[2] * y + fz[2] * z;
+        let rise = normal[0] * axis_x + normal[1] * axis_y + normal[2] * axis_z;
+        Self { apex, normal, axis: [axis_x, axis_y, axis_z], rise }
+    }
+
+    /// Where the cones are sampled at a step: [`Step::position`], sixteen times.
+    #[inline(always)]
+    fn at(&self, simd: S, step: &Step) -> [f32x16<S>; 3] {
+        let middle = f32x16::splat(simd, step.middle);
+        let lift = (f32x16::splat(simd, step.lift) - middle * self.rise).max(f32x16::splat(simd, 0.0));
+        [
+            self.apex[0] + self.axis[0] * middle + self.normal[0] * lift,
+            self.apex[1] + self.axis[1] * middle + self.normal[1] * lift,
+            self.apex[2] + self.axis[2] * middle + self.normal[2] * lift,
+        ]
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: Vec3) -> [f32x16<S>; 3] {
+    [f32x16::splat(simd, v.x), f32x16::splat(simd, v.y), f32x16::splat(simd, v.z)]
+}
+
+/// Bits of the places at which the filter meets an occupied node.
+#[inline(always)]
+fn met<S: Simd>(simd: S, level: &Level, place: &[u32x16<S>; 3]) -> u32 {
+    // Rounding may put a position just inside the cube one place too far; what is there is not missed by stepping back.
+    let side = u32x16::splat(simd, level.side);
+    let (x, y, z) = (place[0].min(side), place[1].min(side), place[2].min(side));
+    let across = u32x16::splat(simd, level.table.across);
+    let (one, three) = (u32x16::splat(simd, 1), u32x16::splat(simd, 3));
+    let seven = u32x16::splat(simd, 7);
+    let index = (((z >> 3) + one) * across + (y >> 3) + one) * across + (x >> 3) + one;
+    let word = ((z & seven) << 1) + ((y >> 2) & one);
+    let bit = ((y & three) << 3) | (x & seven);
+    let mut indices = Lanes([0u32; LANES]);
+    let mut words = Lanes([0u32; LANES]);
+    index.store_slice(&mut indices.0);
+    (word | (bit << 8)).store_slice(&mut words.0);
+    let (numbers, bits) = (level.table.numbers.as_slice(), level.filter.blocks.as_slice());
+    let mut met = 0;
+    for lane in 0..LANES {
+        let block = &bits[numbers[indices.0[lane] as usize] as usize];
+        let packed = words.0[lane];
+        met |= (block[packed as usize & 15] >> (packed >> 8 & 31) & 1) << lane;
+    }
+    met
+}
