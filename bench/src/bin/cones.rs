@@ -95,7 +95,9 @@ fn compare(args: &Args, scene: &Hemispheres, octree: &Octree, cones: &Hemisphere
         (
             "conray, cones one by one",
             Box::new(|points, directions| {
-                each(points, directions, args.cones, |point, _| singly(octree, cones, half_angle_rad, distance, point))
+                each(points, directions, args.cones, |point, _| {
+                    singly(octree, cones, half_angle_rad, distance, point)
+                })
             }),
         ),
     ];
@@ -171,7 +173,13 @@ fn set(march: &ConeMarch<'_>, cones: &HemisphereCones, point: &SurfacePoint) -> 
     cones.iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
 }
 
-fn singly(octree: &Octree, cones: &HemisphereCones, half_angle_rad: f32, distance: f32, point: &SurfacePoint) -> f32 {
+fn singly(
+    octree: &Octree,
+    cones: &HemisphereCones,
+    half_angle_rad: f32,
+    distance: f32,
+    point: &SurfacePoint,
+) -> f32 {
     let frame = Frame::from_normal(point.geometric_normal);
     let one = |cone: &conray_core::Cone| {
         let query = ConeQuery {

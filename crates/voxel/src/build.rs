@@ -3,6 +3,7 @@
 use crate::{
     Octree, OctreeOptions, VoxelError,
     clusters::Clusters,
+    coverage::MaskMeans,
     filter_bits::FilterBits,
     grid::Grid,
     level::{BrickTable, Bricks, LeafBrick, Level, NodeBrick},
@@ -125,10 +126,11 @@ fn peak_bytes(
 ) -> u64 {
     let axes = if directional { size_of::<AxisBrick>() as u64 } else { 0 };
     let leaf_bricks = codes.len() as u64;
-    let leaves = leaf_bricks * (size_of::<LeafBrick>() as u64 + axes);
+    // One brick more: the empty one.
+    let leaves = (leaf_bricks + 1) * (size_of::<LeafBrick>() as u64 + axes);
     let chunks = (leaf_bricks * CHUNK_BYTES / 64).min(THREADS * CHUNK_BYTES);
     let shared = clusters.memory_bytes() + size_of_val(marks.words()) as u64 + 4 * leaf_bricks;
-    let voxelise = shared + leaves + chunks + list_bytes(geometry);
+    let voxelise = shared + leaves + chunks + list_bytes(geometry) + MaskMeans::bytes_for(geometry);
 
     let (mut held, mut sums) = (leaves, 0);
     let (mut side, mut codes) = (resolution, codes.to_vec());
@@ -136,7 +138,7 @@ fn peak_bytes(
         held += 4 * codes.len() as u64 + BrickTable::bytes_for(side);
         held += FilterBits::bytes_for(side, &codes);
         if level > 0 {
-            held += codes.len() as u64 * (size_of::<NodeBrick>() as u64 + axes);
+            held += (codes.len() as u64 + 1) * (size_of::<NodeBrick>() as u64 + axes);
         }
         if level > 0 && level % 3 == 0 {
             sums += codes.len() as u64 * SUMS_BYTES;

@@ -73,7 +73,8 @@ impl ConeMarch<'_> {
         let fan = self.fan(apex, normal, frame);
         for (axes, results) in self.axes.iter().zip(results.chunks_mut(LANES)) {
             if let Some(fan) = &fan {
-                let found = dispatch!(self.simd, simd => kernel::march(simd, self.octree, &self.steps, fan, axes));
+                let found =
+                    dispatch!(self.simd, simd => kernel::march(simd, self.octree, &self.steps, fan, axes));
                 results.copy_from_slice(&found[..results.len()]);
             } else {
                 for (lane, result) in results.iter_mut().enumerate() {

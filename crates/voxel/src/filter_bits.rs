@@ -75,8 +75,7 @@ fn extra_codes(side: u32, bricks: &[u32], table: &BrickTable) -> Vec<u32> {
         .flat_map_iter(|&code| {
             let brick = morton::decode(code);
             let about = (1..8).map(move |c| brick + UVec3::new(c & 1, c >> 1 & 1, c >> 2));
-            let is_extra =
-                move |b: &UVec3| b.max_element() < blocks && table.numbers[table.index(*b)] == 0;
+            let is_extra = move |b: &UVec3| b.max_element() < blocks && table.numbers[table.index(*b)] == 0;
             about.filter(is_extra).map(morton::encode)
         })
         .collect();

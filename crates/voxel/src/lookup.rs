@@ -28,8 +28,7 @@ impl Slope {
     pub(crate) fn along_x(at: [f32; 4], by_y: [f32; 4], by_z: [f32; 4], x: f32) -> Self {
         let by_x = at[2] - at[0];
         let sample = Sample { mean: at[0] + by_x * x, sd: at[1] + (at[3] - at[1]) * x };
-        let gradient =
-            Vec3::new(by_x, by_y[0] + (by_y[2] - by_y[0]) * x, by_z[0] + (by_z[2] - by_z[0]) * x);
+        let gradient = Vec3::new(by_x, by_y[0] + (by_y[2] - by_y[0]) * x, by_z[0] + (by_z[2] - by_z[0]) * x);
         Self { sample, gradient }
     }
 

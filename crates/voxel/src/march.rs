@@ -126,8 +126,7 @@ impl Octree {
         let (apex, rise) = (self.leaf_units(query.apex), query.normal.dot(query.axis));
         let side = Vec3::splat(self.resolution() as f32);
         let outside = (apex - apex.clamp(Vec3::ZERO, side)).length();
-        let steps =
-            Steps::new(self, query.half_angle_rad, query.distance, query.falloff, options, outside);
+        let steps = Steps::new(self, query.half_angle_rad, query.distance, query.falloff, options, outside);
         let mut composition = Composition::OPEN;
         for (index, step) in steps.enumerate() {
             let position = step.position(apex, query.axis, query.normal, rise);
@@ -151,13 +150,7 @@ impl Octree {
 
     /// Share of a cone that the surfaces of a step block, at least 0, and SD there.
     #[inline]
-    fn blocked(
-        &self,
-        step: &Step,
-        position: Vec3,
-        axis: Vec3,
-        density: Density,
-    ) -> (f32, f32) {
+    fn blocked(&self, step: &Step, position: Vec3, axis: Vec3, density: Density) -> (f32, f32) {
         let slope = self.slope_leaf_units(step.level, step.share, position);
         let blocked = match density {
             Density::Mean => blocked_by(&slope, step, axis),

@@ -14,7 +14,11 @@ impl Rows {
     #[inline(always)]
     pub(crate) fn new(level: &Level, place: UVec3) -> Self {
         let local = place % 8;
-        if local.min_element() == 0 { Self::across(level, place) } else { Self::within(level, place / 8, local - 1) }
+        if local.min_element() == 0 {
+            Self::across(level, place)
+        } else {
+            Self::within(level, place / 8, local - 1)
+        }
     }
 
     /// All in one brick: at fixed distances from the first.
@@ -25,7 +29,12 @@ impl Rows {
         match &level.bricks {
             Bricks::Leaves(leaves) => {
                 let w = window(&leaves[brick].means, first);
-                Self([leaf_row(w[0], w[1]), leaf_row(w[8], w[9]), leaf_row(w[64], w[65]), leaf_row(w[72], w[73])])
+                Self([
+                    leaf_row(w[0], w[1]),
+                    leaf_row(w[8], w[9]),
+                    leaf_row(w[64], w[65]),
+                    leaf_row(w[72], w[73]),
+                ])
             }
             Bricks::Nodes(nodes) => {
                 let w = window(&nodes[brick].moments, first);

@@ -183,8 +183,9 @@ fn composited_axes(code: u32, below: &Level) -> [[u8; 3]; 512] {
         }
         // All eight children lie in one brick.
         let Some((brick, start)) = below.find(first) else { return [0; 3] };
-        let child =
-            |c: usize, axis: usize| f32::from(below.axes[brick as usize - 1][start + offset(c)][axis]) / 255.0;
+        let child = |c: usize, axis: usize| {
+            f32::from(below.axes[brick as usize - 1][start + offset(c)][axis]) / 255.0
+        };
         std::array::from_fn(|axis| {
             let through = |c: usize| (1.0 - child(c, axis)) * (1.0 - child(c | 1 << axis, axis));
             let open: f32 = (0..8).filter(|c| c >> axis & 1 == 0).map(through).sum();

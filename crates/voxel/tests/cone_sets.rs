@@ -48,8 +48,7 @@ impl Settings {
     }
 }
 
-fn singles(octree: &Octree, s: &Settings, point: &Point) -> Vec<ConeResult> {
-    let cones = HemisphereCones::new(s.set);
+fn singles(octree: &Octree, s: &Settings, cones: &HemisphereCones, point: &Point) -> Vec<ConeResult> {
     let one = |cone: &conray_core::Cone| {
         let query = ConeQuery {
             apex: point.apex,
@@ -74,14 +73,13 @@ fn check(octree: &Octree, settings: &Settings, points: &[Point]) -> (usize, usiz
     let marches: Vec<_> = levels()
         .into_iter()
         .map(|level| {
-            let march =
-                octree.cone_march(&cones, settings.distance, settings.falloff, &settings.options);
+            let march = octree.cone_march(&cones, settings.distance, settings.falloff, &settings.options);
             (level, march.at_level(level))
         })
         .collect();
     let (mut met, mut open) = (0, 0);
     for point in points {
-        let expected = singles(octree, settings, point);
+        let expected = singles(octree, settings, &cones, point);
         for (level, march) in &marches {
             let mut found = vec![ConeResult { visibility: f32::NAN, error: f32::NAN }; expected.len()];
             march.march(point.apex, point.normal, &point.frame, &mut found);
@@ -209,6 +207,7 @@ fn bad_questions_are_told_and_do_no_harm() {
     let told = singles(
         &octree,
         &Settings::new(ConeSet::Nine, 0.3),
+        &HemisphereCones::new(ConeSet::Nine),
         &Point { apex: Vec3::NAN, ..good },
     );
     assert!(told.iter().all(|r| *r == unknown));

@@ -14,7 +14,13 @@ use std::hint::black_box;
 
 /// Marches the cones; lanes without a cone are open.
 #[inline(always)]
-pub(super) fn march<S: Simd>(simd: S, octree: &Octree, steps: &[Step], fan: &Fan, axes: &LocalAxes) -> [ConeResult; LANES] {
+pub(super) fn march<S: Simd>(
+    simd: S,
+    octree: &Octree,
+    steps: &[Step],
+    fan: &Fan,
+    axes: &LocalAxes,
+) -> [ConeResult; LANES] {
     let mut compositions = [const { Composition::OPEN }; LANES];
     let mut active = axes.all;
     let paths = Paths::new(simd, fan, axes);

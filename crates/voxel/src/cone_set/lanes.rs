@@ -21,7 +21,8 @@ pub(super) struct LocalAxes {
 impl LocalAxes {
     /// The axes of 1 to 16 cones.
     pub(super) fn new(cones: &[Cone]) -> Self {
-        let component = |k: usize| Lanes(std::array::from_fn(|lane| cones.get(lane).map_or(0.0, |c| c.axis[k])));
+        let component =
+            |k: usize| Lanes(std::array::from_fn(|lane| cones.get(lane).map_or(0.0, |c| c.axis[k])));
         Self { components: [0, 1, 2].map(component), all: u32::MAX >> (32 - cones.len()) }
     }
 

@@ -1,11 +1,7 @@
 //! Where the filters of sixteen samples lie on a level.
 
 use super::lanes::{LANES, Lanes};
-use crate::{
-    level::Level,
-    lookup::Slope,
-    rows::Rows,
-};
+use crate::{level::Level, lookup::Slope, rows::Rows};
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*, u16x16, u32x16};
 use glam::UVec3;
 
