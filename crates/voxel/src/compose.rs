@@ -4,14 +4,14 @@ use crate::{ConeResult, steps::Step};
 use conray_core::Vec3;
 
 /// Where less than this passes, the rest counts as closed.
-const CLOSED: f32 = 1e-3;
+pub(crate) const CLOSED: f32 = 1e-3;
 
 /// Where the mean changes across a node by less than this share of itself, its direction is noise.
-const CLEAR_CHANGE: f32 = 0.25;
+pub(crate) const CLEAR_CHANGE: f32 = 0.25;
 
 /// [`met_share`] in the mean over surfaces of any direction: the cosine at which lines meet them is 2/3 in the mean (that of
 /// cos^2 over that of cos), and the largest component of a unit normal 0.83.
-const UNKNOWN_SHARE: f32 = 0.8;
+pub(crate) const UNKNOWN_SHARE: f32 = 0.8;
 
 /// How much of the mean opacity along a line counts, by the angle at which the line meets the surface, in [0, sqrt 3].
 ///

@@ -9,7 +9,9 @@
 
 mod kernel;
 mod lanes;
+mod passage;
 mod places;
+mod slopes;
 
 use crate::{ConeQuery, ConeResult, Density, MarchOptions, Octree, steps::Step, steps::Steps};
 use conray_core::{Falloff, Frame, HemisphereCones, Vec3};

@@ -35,13 +35,21 @@ impl Slope {
     /// From 65535ths and nodes of a level to opacities and leaves.
     #[inline(always)]
     pub(crate) fn in_leaves(self, level: usize) -> Self {
-        const UNIT: f32 = 1.0 / 65535.0;
-        let sample = Sample { mean: self.sample.mean * UNIT, sd: self.sample.sd * UNIT };
-        Self { sample, gradient: self.gradient * (UNIT / (1u32 << level) as f32) }
+        let sample = Sample { mean: self.sample.mean * Self::UNIT, sd: self.sample.sd * Self::UNIT };
+        Self { sample, gradient: self.gradient * Self::gradient_unit(level) }
+    }
+
+    /// What opacities are stored in.
+    pub(crate) const UNIT: f32 = 1.0 / 65535.0;
+
+    /// The same by the edge of a level's nodes.
+    #[inline(always)]
+    pub(crate) fn gradient_unit(level: usize) -> f32 {
+        Self::UNIT / (1u32 << level) as f32
     }
 
     #[inline(always)]
-    pub(crate) fn lerp(self, other: Self, share: f32) -> Self {
+    fn lerp(self, other: Self, share: f32) -> Self {
         let lerp = |a: f32, b: f32| a + share * (b - a);
         let sample = Sample {
             mean: lerp(self.sample.mean, other.sample.mean),

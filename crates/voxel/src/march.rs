@@ -165,7 +165,7 @@ impl Octree {
 
 /// Share of a cone that a step blocks by its mean opacity. Lengths are in leaves.
 #[inline(always)]
-pub(crate) fn blocked_by(slope: &Slope, step: &Step, axis: Vec3) -> f32 {
+fn blocked_by(slope: &Slope, step: &Step, axis: Vec3) -> f32 {
     let mean = slope.sample.mean;
     mean * step.length * met_share(mean, slope.gradient * step.node, axis)
 }

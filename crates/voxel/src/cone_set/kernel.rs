@@ -2,12 +2,11 @@
 
 use super::{
     lanes::{Fan, LANES, Lanes, LocalAxes},
-    places::Places,
+    passage::Passage,
+    places::{Places, StoredPlaces},
+    slopes::Slopes,
 };
-use crate::{
-    ConeResult, Octree, compose::Composition, filter_bits::BLOCK_WORDS, level::Level, march::blocked_by,
-    steps::Step,
-};
+use crate::{ConeResult, Octree, filter_bits::BLOCK_WORDS, level::Level, steps::Step};
 use conray_core::Vec3;
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use std::hint::black_box;
@@ -21,13 +20,9 @@ pub(super) fn march<S: Simd>(
     fan: &Fan,
     axes: &LocalAxes,
 ) -> [ConeResult; LANES] {
-    let mut compositions = [const { Composition::OPEN }; LANES];
-    let mut active = axes.all;
     let paths = Paths::new(simd, fan, axes);
-    let mut stored_axes = [Lanes([0.0; LANES]); 3];
-    paths.axis[0].store_slice(&mut stored_axes[0].0);
-    paths.axis[1].store_slice(&mut stored_axes[1].0);
-    paths.axis[2].store_slice(&mut stored_axes[2].0);
+    let mut passage = Passage::open(simd);
+    let mut active = axes.all;
     for (index, step) in steps.iter().enumerate() {
         let at = paths.at(simd, step);
         let coarse = step.coarse();
@@ -37,35 +32,35 @@ pub(super) fn march<S: Simd>(
         if reachable == 0 {
             continue;
         }
-        let mut met = met(simd, nodes, &places.place) & reachable;
+        let met = met(simd, nodes, &places.place) & reachable;
         if met == 0 {
             continue;
         }
-        let coarse_places = places.stored();
         let finer = &octree.levels[step.level];
         let fine_places = Places::new(simd, &at, step.level, finer.side).stored();
-        while met != 0 {
-            let lane = met.trailing_zeros() as usize % LANES;
-            met &= met - 1;
-            let mut slope = fine_places.slope(simd, lane, finer, step.level);
-            if step.share > 0.0 {
-                slope = slope.lerp(coarse_places.slope(simd, lane, nodes, coarse), step.share);
-            }
-            let axis = Vec3::new(stored_axes[0].0[lane], stored_axes[1].0[lane], stored_axes[2].0[lane]);
-            let blocked = blocked_by(&slope, step, axis);
-            if compositions[lane].add(index, step, blocked, slope.sample.sd) {
-                active &= !(1 << lane);
-            }
+        let mut slope = look_up(simd, &fine_places, finer, met).in_leaves(simd, step.level);
+        if step.share > 0.0 {
+            let coarser = look_up(simd, &places.stored(), nodes, met).in_leaves(simd, coarse);
+            slope = slope.lerp(simd, coarser, step.share);
         }
+        active &= !passage.add(simd, index, step, &slope, &paths.axis, met);
         if active == 0 {
             break;
         }
     }
-    let mut results = [ConeResult { visibility: 1.0, error: 0.0 }; LANES];
-    for (result, composition) in results.iter_mut().zip(&compositions) {
-        *result = composition.result();
+    passage.results(simd)
+}
+
+/// What the filters of some cones find on a level.
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, places: &StoredPlaces, nodes: &Level, mut met: u32) -> Slopes {
+    let mut slopes = Slopes::new();
+    while met != 0 {
+        let lane = met.trailing_zeros() as usize % LANES;
+        met &= met - 1;
+        slopes.set(lane, &places.slope(simd, lane, nodes));
     }
-    results
+    slopes
 }
 
 /// The lines on which sixteen cones are sampled, in leaves.

@@ -65,9 +65,9 @@ pub(super) struct StoredPlaces {
 }
 
 impl StoredPlaces {
-    /// What one filter finds, in opacities and leaves: `Octree::slope_leaf_units` for one level, in the same order.
+    /// What one filter finds, in 65535ths and nodes: `Taps::interpolate`, in the same order.
     #[inline(always)]
-    pub(super) fn slope<S: Simd>(&self, simd: S, lane: usize, nodes: &Level, level: usize) -> Slope {
+    pub(super) fn slope<S: Simd>(&self, simd: S, lane: usize, nodes: &Level) -> Slope {
         if self.inside >> lane & 1 == 0 {
             return Slope::default();
         }
@@ -83,7 +83,7 @@ impl StoredPlaces {
         let by_y = high - low;
         let at = low + by_y * y;
         let by_z = low_by_z + (high_by_z - low_by_z) * y;
-        Slope::along_x(array(at), array(by_y), array(by_z), x).in_leaves(level)
+        Slope::along_x(array(at), array(by_y), array(by_z), x)
     }
 }
 
