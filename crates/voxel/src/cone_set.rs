@@ -3,7 +3,8 @@
 //! The distances at which a cone is sampled depend on its aperture and not on what it meets. Cones of one aperture share
 //! them, so levels, node sizes and weights are the same for all and computed once for many points; the cones of a point
 //! differ in their positions only. Each step asks for sixteen positions at once whether the filter meets anything
-//! (`kernel.rs`); one sample in fifteen or so does, and is then read and composed by itself.
+//! (`kernel.rs`); most do not. The nodes of those that do are read one cone after the other (`places.rs`), and what they find
+//! composes side by side again (`passage.rs`). `docs/profiles/cones.md` says where the time goes.
 //!
 //! The results are those of [`Octree::march_with`], bit for bit, at every level of SIMD.
 

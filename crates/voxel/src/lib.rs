@@ -3,6 +3,7 @@
 //! ```text
 //! Geometry --clusters--> bricks touched (marks) --voxelise--> leaves --upward--> levels   (Octree::build)
 //! ConeQuery --march, filtered look-ups--> ConeResult                                       (Octree::march)
+//! all cones of a point, sixteen side by side                                              (Octree::cone_march)
 //! ```
 //!
 //! A **leaf** is a voxel of the finest grid; level `l` has nodes of `2^l` leaves a side and a node's eight children

@@ -1,6 +1,9 @@
 //! How what sixteen cones meet composes: `compose.rs`, side by side and in the same order.
 
-use super::{lanes::{LANES, Lanes}, slopes::WideSlope};
+use super::{
+    lanes::{LANES, Lanes},
+    slopes::WideSlope,
+};
 use crate::{
     ConeResult,
     compose::{CLEAR_CHANGE, CLOSED, UNKNOWN_SHARE},
