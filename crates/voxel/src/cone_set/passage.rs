@@ -47,11 +47,11 @@ impl<S: Simd> Passage<S> {
         self.next = index + 1;
         let falloff = f32x16::splat(simd, step.falloff);
         let in_nodes = f32x16::splat(simd, step.length / step.node);
-        self.error = self.error + self.now * slope.sd * in_nodes * falloff;
+        self.error += self.now * slope.sd * in_nodes * falloff;
         let less = (blocked(simd, step, slope, axis) * self.before[1]).min(self.now);
-        self.now = self.now - less;
+        self.now -= less;
         self.before = [self.now, self.before[0]];
-        self.closed = self.closed + less * falloff;
+        self.closed += less * falloff;
         let closed = self.now.simd_lt(f32x16::splat(simd, CLOSED)).to_bitmask() as u32 & met;
         if closed != 0 {
             self.close(simd, closed, falloff);
@@ -67,7 +67,7 @@ impl<S: Simd> Passage<S> {
             *which = if closed >> lane & 1 == 1 { 1.0 } else { 0.0 };
         }
         // Nothing is added to the others: 0 times a number.
-        self.closed = self.closed + self.now * falloff * f32x16::from_slice(simd, &which.0);
+        self.closed += self.now * falloff * f32x16::from_slice(simd, &which.0);
     }
 
     /// Visibility and error of each.
@@ -78,8 +78,8 @@ impl<S: Simd> Passage<S> {
         (one - self.closed).max(zero).min(one).store_slice(&mut visibility.0);
         self.error.store_slice(&mut error.0);
         let mut results = [ConeResult { visibility: 1.0, error: 0.0 }; LANES];
-        for lane in 0..LANES {
-            results[lane] = ConeResult { visibility: visibility.0[lane], error: error.0[lane] };
+        for (result, (&visibility, &error)) in results.iter_mut().zip(visibility.0.iter().zip(&error.0)) {
+            *result = ConeResult { visibility, error };
         }
         results
     }
