@@ -2,39 +2,31 @@
 
 use crate::tiles;
 use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, SurfacePoint};
-use conray_voxel::{ConeQuery, Octree};
+use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
 
 /// Points of a tile: some tenths of a millisecond.
 const TILE_POINTS: usize = 16;
 
-/// The set of 16 cones, in an octree.
+/// The set of 16 cones, prepared for an octree.
 pub struct ConeSets<'a> {
-    octree: &'a Octree,
+    march: ConeMarch<'a>,
     cones: HemisphereCones,
-    distance: f32,
 }
 
 impl<'a> ConeSets<'a> {
     /// Cones of that length in world units.
     pub fn new(octree: &'a Octree, distance: f32) -> Self {
-        Self { octree, cones: HemisphereCones::new(ConeSet::Sixteen), distance }
+        let cones = HemisphereCones::new(ConeSet::Sixteen);
+        let march = octree.cone_march(&cones, distance, Falloff::None, &MarchOptions::default());
+        Self { march, cones }
     }
 
     /// Visibility of a point by all cones of the set.
     pub fn visibility(&self, point: &SurfacePoint) -> f32 {
         let frame = Frame::from_normal(point.geometric_normal);
-        let march = |cone: &conray_core::Cone| {
-            let query = ConeQuery {
-                apex: point.position,
-                axis: frame.to_world(cone.axis),
-                half_angle_rad: cone.half_angle_rad,
-                normal: point.geometric_normal,
-                distance: self.distance,
-                falloff: Falloff::None,
-            };
-            cone.weight * self.octree.march(&query).visibility
-        };
-        self.cones.cones().iter().map(march).sum()
+        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; 16];
+        self.march.march(point.position, point.geometric_normal, &frame, &mut results);
+        self.cones.cones().iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
     }
 
     /// Seconds for the sets of all points on all threads, and their mean visibility.

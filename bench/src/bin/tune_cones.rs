@@ -9,7 +9,7 @@ use clap::Parser;
 use conray::{AoSettings, Error, Falloff, Method, target::Target};
 use conray_bench::{Bench, judged};
 use conray_core::Frame;
-use conray_voxel::{ConeQuery, MarchOptions};
+use conray_voxel::{ConeResult, MarchOptions};
 use std::time::Instant;
 
 #[derive(Parser)]
@@ -38,7 +38,7 @@ fn main() -> Result<(), Error> {
     println!("{:>6} {:>5} {:>5} {} {:>8} {:>7}", "width", "step", "lift", names.join(" "), "mean", "s");
     let mut rows = Vec::new();
     for width in [0.1, 0.15, 0.2, 0.3, 0.5, 1.0] {
-        for step in [0.75, 1.0, 1.5] {
+        for step in [0.75, 1.0, 1.1, 1.2, 1.5] {
             for lift in [1.0, 1.5, 1.75, 2.0, 2.5] {
                 let options = MarchOptions { width, step, lift, ..MarchOptions::default() };
                 let start = Instant::now();
@@ -59,28 +59,17 @@ fn main() -> Result<(), Error> {
 /// RMSE over the image of the weighted sum of the cones, about the geometric normal where the two agree.
 fn cone_rmse(bench: &Bench, options: &MarchOptions) -> f64 {
     let (plan, octree) = (bench.session.plan(), bench.session.octree().expect("cones were planned"));
+    let cones = plan.cones.cones();
+    let march = octree.cone_march(&plan.cones, plan.distance, Falloff::None, options);
+    let mut results = vec![ConeResult { visibility: 0.0, error: 0.0 }; cones.len()];
     let (mut sum, mut count) = (0.0, 0u32);
     for (point, truth) in bench.target.points().iter().zip(&bench.truth) {
         if point.shading_normal.dot(point.geometric_normal) < 0.99 {
             continue;
         }
         let frame = Frame::from_normal(point.shading_normal);
-        let visibility: f32 = plan
-            .cones
-            .cones()
-            .iter()
-            .map(|cone| {
-                let query = ConeQuery {
-                    apex: point.position,
-                    axis: frame.to_world(cone.axis),
-                    half_angle_rad: cone.half_angle_rad,
-                    normal: point.geometric_normal,
-                    distance: plan.distance,
-                    falloff: Falloff::None,
-                };
-                cone.weight * octree.march_with(&query, options).visibility
-            })
-            .sum();
+        march.march(point.position, point.geometric_normal, &frame, &mut results);
+        let visibility: f32 = cones.iter().zip(&results).map(|(c, r)| c.weight * r.visibility).sum();
         sum += f64::from(visibility - truth).powi(2);
         count += 1;
     }

@@ -104,6 +104,13 @@ impl HemisphereCones {
     pub fn cones(&self) -> &[Cone] {
         &self.cones
     }
+
+    /// Half of the aperture that stands for all cones where one must: that of a cone with their mean solid angle.
+    pub fn half_angle_rad(&self) -> f32 {
+        let mean_cos =
+            self.cones.iter().map(|c| c.half_angle_rad.cos()).sum::<f32>() / self.cones.len() as f32;
+        mean_cos.acos()
+    }
 }
 
 fn six() -> Vec<Cone> {

@@ -69,10 +69,13 @@ fn taps(coordinate: f32, size: u32, wrap: Wrap) -> (usize, usize, f32) {
     };
     let position = wrapped * size as f32 - 0.5;
     let low = position.floor();
-    let (low_texel, last) = (low as i64, i64::from(size) - 1);
+    // Wrapped coordinates are at most half a texel outside, so one step back is enough where a division would be.
+    let (low_texel, size) = (low as i64, i64::from(size));
     let inside = |texel: i64| match wrap {
-        Wrap::Repeat => texel.rem_euclid(i64::from(size)),
-        Wrap::Mirror | Wrap::Clamp => texel.clamp(0, last),
+        Wrap::Repeat if texel < 0 => texel + size,
+        Wrap::Repeat if texel >= size => texel - size,
+        Wrap::Repeat => texel,
+        Wrap::Mirror | Wrap::Clamp => texel.clamp(0, size - 1),
     } as usize;
     (inside(low_texel), inside(low_texel + 1), position - low)
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     AoPlan,
-    methods::{cone_share, march_all, ray_count},
+    methods::{Marches, cone_share, ray_count},
 };
 use conray_core::{Cone, SurfacePoint, Vec3};
 use conray_voxel::Octree;
@@ -30,7 +30,7 @@ pub fn view_cones<'a>(
     octree: &'a Octree,
     point: &SurfacePoint,
 ) -> impl Iterator<Item = ConeView<'a>> {
-    march_all(plan, octree, point).map(|(cone, axis, result)| {
+    Marches::new(plan, octree).at(point).map(|(cone, axis, result)| {
         let alpha = cone_share(result.error, plan);
         let rays = ray_count(alpha, plan.max_rays);
         ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }

@@ -43,11 +43,12 @@ impl Backend for CpuBackend {
                 each_point(points, estimates, control, |point| rays.estimate(point));
             }
             Method::Cones => {
-                let cones = methods::Cones { plan, octree: octree()? };
+                let cones = methods::Cones { marches: methods::Marches::new(plan, octree()?) };
                 each_point(points, estimates, control, |point| cones.estimate(point));
             }
             Method::Paper | Method::Hybrid => {
-                let paper = methods::Paper { plan, bvh: &self.bvh, octree: octree()?, frames: samples };
+                let marches = methods::Marches::new(plan, octree()?);
+                let paper = methods::Paper { plan, bvh: &self.bvh, marches, frames: samples };
                 each_point(points, estimates, control, |point| paper.estimate(point));
             }
         }

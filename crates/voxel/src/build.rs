@@ -3,6 +3,8 @@
 use crate::{
     Octree, OctreeOptions, VoxelError,
     clusters::Clusters,
+    coverage::MaskMeans,
+    filter_bits::FilterBits,
     grid::Grid,
     level::{BrickTable, Bricks, LeafBrick, Level, NodeBrick},
     marks::BrickMarks,
@@ -83,13 +85,12 @@ impl Plan {
 
     fn carry_out(self, geometry: &Geometry, clusters: Clusters, directional: bool) -> Octree {
         let Self { grid, marks, codes, peak_bytes } = self;
-        let mut leaves = vec![LeafBrick::EMPTY; codes.len()];
+        let mut leaves = vec![LeafBrick::EMPTY; codes.len() + 1];
         let mut axes: Vec<AxisBrick> = vec![[[0; 3]; 512]; if directional { codes.len() } else { 0 }];
-        voxelise(geometry, &clusters, &grid, &marks, &mut leaves, &mut axes);
+        voxelise(geometry, &clusters, &grid, &marks, &mut leaves[1..], &mut axes);
         drop((clusters, marks));
         let side = grid.resolution;
-        let table = BrickTable::new(side, &codes);
-        let mut levels = vec![Level { side, codes, table, bricks: Bricks::Leaves(leaves), axes }];
+        let mut levels = vec![Level::new(side, codes, Bricks::Leaves(leaves), axes)];
         build_upper_levels(&mut levels);
         Octree { grid, levels, peak_bytes }
     }
@@ -125,17 +126,19 @@ fn peak_bytes(
 ) -> u64 {
     let axes = if directional { size_of::<AxisBrick>() as u64 } else { 0 };
     let leaf_bricks = codes.len() as u64;
-    let leaves = leaf_bricks * (size_of::<LeafBrick>() as u64 + axes);
+    // One brick more: the empty one.
+    let leaves = (leaf_bricks + 1) * (size_of::<LeafBrick>() as u64 + axes);
     let chunks = (leaf_bricks * CHUNK_BYTES / 64).min(THREADS * CHUNK_BYTES);
     let shared = clusters.memory_bytes() + size_of_val(marks.words()) as u64 + 4 * leaf_bricks;
-    let voxelise = shared + leaves + chunks + list_bytes(geometry);
+    let voxelise = shared + leaves + chunks + list_bytes(geometry) + MaskMeans::bytes_for(geometry);
 
     let (mut held, mut sums) = (leaves, 0);
     let (mut side, mut codes) = (resolution, codes.to_vec());
     for level in 0u32.. {
-        held += 4 * codes.len() as u64 + BrickTable::bytes_for(side, &codes);
+        held += 4 * codes.len() as u64 + BrickTable::bytes_for(side);
+        held += FilterBits::bytes_for(side, &codes);
         if level > 0 {
-            held += codes.len() as u64 * (size_of::<NodeBrick>() as u64 + axes);
+            held += (codes.len() as u64 + 1) * (size_of::<NodeBrick>() as u64 + axes);
         }
         if level > 0 && level % 3 == 0 {
             sums += codes.len() as u64 * SUMS_BYTES;

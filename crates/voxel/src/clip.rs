@@ -11,33 +11,60 @@ const MOST: usize = 9;
 pub(crate) struct CellClipper {
     axes: [usize; 3],
     triangle: Polygon,
-    row: (i32, Polygon),
-    column: (i32, Polygon),
+    row: Part,
+    column: Part,
+    piece: Polygon,
+}
+
+/// What of a triangle lies between two planes across an axis.
+struct Part {
+    /// Where the lower plane is.
+    low: i32,
+    polygon: Polygon,
+    /// Lowest and highest coordinate on the axis that is cut next.
+    range: (f64, f64),
+}
+
+impl Part {
+    fn new(polygon: Polygon, next: usize) -> Self {
+        Self { low: i32::MIN, range: polygon.range(next), polygon }
+    }
+
+    /// Takes the part of a polygon, whose range on the axis is known, above a plane; `next` is the axis to be cut after.
+    #[inline]
+    fn take(&mut self, from: &Polygon, range: (f64, f64), (axis, low): (usize, i32), next: usize) {
+        self.low = low;
+        from.clip_into(axis, f64::from(low), range, &mut self.polygon);
+        self.range = self.polygon.range(next);
+    }
 }
 
 impl CellClipper {
     /// `axes` says which coordinate of the cells changes slowest, and which fastest.
     pub(crate) fn new(corners: [DVec3; 3], axes: [usize; 3]) -> Self {
         let triangle = Polygon::triangle(corners);
-        Self { axes, triangle, row: (i32::MIN, triangle), column: (i32::MIN, triangle) }
+        let part = |next: usize| Part::new(triangle, next);
+        Self { axes, triangle, row: part(axes[1]), column: part(axes[2]), piece: triangle }
     }
 
     /// The piece of the triangle in the cell from `cell` to `cell + 1`.
     #[inline]
-    pub(crate) fn in_cell(&mut self, cell: IVec3) -> Polygon {
+    pub(crate) fn in_cell(&mut self, cell: IVec3) -> &Polygon {
         let [u, v, w] = self.axes;
-        if self.row.0 != cell[u] {
-            self.row = (cell[u], self.triangle);
-            self.row.1.clip(u, f64::from(cell[u]));
-            self.column.0 = i32::MIN;
+        if self.row.low != cell[u] {
+            self.row.take(&self.triangle, self.triangle.range(u), (u, cell[u]), v);
+            self.column.low = i32::MIN;
         }
-        if self.column.0 != cell[v] {
-            self.column = (cell[v], self.row.1);
-            self.column.1.clip(v, f64::from(cell[v]));
+        if self.column.low != cell[v] {
+            self.column.take(&self.row.polygon, self.row.range, (v, cell[v]), w);
         }
-        let mut piece = self.column.1;
-        piece.clip(w, f64::from(cell[w]));
-        piece
+        let low = f64::from(cell[w]);
+        let (least, most) = self.column.range;
+        if least >= low && most <= low + 1.0 && least < low + 1.0 {
+            return &self.column.polygon;
+        }
+        self.column.polygon.clip_into(w, low, (least, most), &mut self.piece);
+        &self.piece
     }
 }
 
@@ -56,51 +83,69 @@ impl Polygon {
         Self { corners: all, count: 3 }
     }
 
-    /// Keeps what lies in `[low, low + 1)` on an axis.
-    ///
-    /// A cell owns its lower faces and not its upper ones, so that a triangle lying between two cells counts once.
+    /// Lowest and highest coordinate on an axis; without corners infinite, and the lowest above.
     #[inline]
-    pub(crate) fn clip(&mut self, axis: usize, low: f64) {
-        let high = low + 1.0;
+    fn range(&self, axis: usize) -> (f64, f64) {
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for c in self.corners() {
             (least, most) = (least.min(c[axis]), most.max(c[axis]));
         }
+        (least, most)
+    }
+
+    /// Puts into `out` what lies in `[low, low + 1)` on an axis on which the polygon's range is known.
+    ///
+    /// A cell owns its lower faces and not its upper ones, so that a triangle lying between two cells counts once.
+    #[inline]
+    fn clip_into(&self, axis: usize, low: f64, (least, most): (f64, f64), out: &mut Self) {
+        let high = low + 1.0;
         if least >= high || most < low {
-            self.count = 0;
+            out.count = 0;
             return;
         }
-        if least < low {
-            self.cut(|c| c[axis] - low);
-        }
-        if most > high {
-            self.cut(|c| high - c[axis]);
+        match (least < low, most > high) {
+            (false, false) => {
+                out.count = self.count;
+                out.corners[..self.count].copy_from_slice(self.corners());
+            }
+            (true, false) => self.cut_into(|c| c[axis] - low, out),
+            (false, true) => self.cut_into(|c| high - c[axis], out),
+            (true, true) => {
+                let mut above = Self { corners: [DVec3::ZERO; MOST], count: 0 };
+                self.cut_into(|c| c[axis] - low, &mut above);
+                above.cut_into(|c| high - c[axis], out);
+            }
         }
     }
 
-    /// Keeps the side where `distance` is not negative.
+    /// Puts into `out` the side where `distance` is not negative.
     #[inline]
-    fn cut(&mut self, distance: impl Fn(DVec3) -> f64) {
-        let (mut kept, mut count) = ([DVec3::ZERO; MOST], 0);
+    fn cut_into(&self, distance: impl Fn(DVec3) -> f64, out: &mut Self) {
+        let mut count = 0;
         let mut keep = |c: DVec3| {
             // A convex polygon gains one corner a cut; rounding could only repeat corners.
             if count < MOST {
-                kept[count] = c;
+                out.corners[count] = c;
                 count += 1;
             }
         };
-        for k in 0..self.count {
-            let p = self.corners[k];
-            let q = self.corners[if k + 1 == self.count { 0 } else { k + 1 }];
-            let (dp, dq) = (distance(p), distance(q));
-            if dp >= 0.0 {
-                keep(p);
-            }
+        let corners = self.corners();
+        let Some(&last) = corners.last() else {
+            out.count = 0;
+            return;
+        };
+        let (mut p, mut dp) = (last, distance(last));
+        for &q in corners {
+            let dq = distance(q);
             if (dp < 0.0) != (dq < 0.0) {
                 keep(p + (q - p) * (dp / (dp - dq)));
             }
+            if dq >= 0.0 {
+                keep(q);
+            }
+            (p, dp) = (q, dq);
         }
-        (self.corners, self.count) = (kept, count);
+        out.count = count;
     }
 
     /// Corners in order.
@@ -159,7 +204,8 @@ mod tests {
     fn the_hexagon_across_a_cell() {
         // The plane x + y + z = 3/2 cuts the unit cube in a regular hexagon of edge 1 / sqrt 2.
         let corners = [DVec3::new(-4.0, 1.5, 4.0), DVec3::new(4.0, -6.5, 4.0), DVec3::new(4.0, 1.5, -4.0)];
-        let piece = CellClipper::new(corners, [0, 1, 2]).in_cell(IVec3::ZERO);
+        let mut clipper = CellClipper::new(corners, [0, 1, 2]);
+        let piece = clipper.in_cell(IVec3::ZERO);
         assert_eq!(piece.corners().len(), 6);
         assert!((piece.area_vector().length() - 0.75 * 3f64.sqrt()).abs() < 1e-12);
         assert!((piece.middle() - 0.5).length() < 1e-12);

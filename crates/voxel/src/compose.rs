@@ -1,13 +1,17 @@
 //! What a surface blocks of a cone, and how surfaces along a cone compose.
 
+use crate::{ConeResult, steps::Step};
 use conray_core::Vec3;
 
+/// Where less than this passes, the rest counts as closed.
+pub(crate) const CLOSED: f32 = 1e-3;
+
 /// Where the mean changes across a node by less than this share of itself, its direction is noise.
-const CLEAR_CHANGE: f32 = 0.25;
+pub(crate) const CLEAR_CHANGE: f32 = 0.25;
 
 /// [`met_share`] in the mean over surfaces of any direction: the cosine at which lines meet them is 2/3 in the mean (that of
 /// cos^2 over that of cos), and the largest component of a unit normal 0.83.
-const UNKNOWN_SHARE: f32 = 0.8;
+pub(crate) const UNKNOWN_SHARE: f32 = 0.8;
 
 /// How much of the mean opacity along a line counts, by the angle at which the line meets the surface, in [0, sqrt 3].
 ///
@@ -45,6 +49,12 @@ impl Passing {
         self.now
     }
 
+    /// Ends one or more steps that block nothing.
+    #[inline]
+    pub(crate) fn pause(&mut self) {
+        self.before = [self.now; 2];
+    }
+
     /// Ends a step that blocks the share `blocked` >= 0 of what reaches it; returns how much less passes.
     #[inline]
     pub(crate) fn step(&mut self, blocked: f32) -> f32 {
@@ -52,6 +62,43 @@ impl Passing {
         self.now -= less;
         self.before = [self.now, self.before[0]];
         less
+    }
+}
+
+/// What a cone has met so far.
+pub(crate) struct Composition {
+    passing: Passing,
+    closed: f32,
+    error: f32,
+    /// The step after the last one that met something.
+    next: usize,
+}
+
+impl Composition {
+    /// Nothing yet.
+    pub(crate) const OPEN: Self = Self { passing: Passing::ALL, closed: 0.0, error: 0.0, next: 0 };
+
+    /// Adds step number `index`, which blocks the share `blocked` of what reaches it and where the SD is `sd`; steps left
+    /// out between meet nothing. True where too little passes to go on.
+    #[inline]
+    pub(crate) fn add(&mut self, index: usize, step: &Step, blocked: f32, sd: f32) -> bool {
+        if index > self.next {
+            self.passing.pause();
+        }
+        self.next = index + 1;
+        self.error += self.passing.share() * sd * (step.length / step.node) * step.falloff;
+        self.closed += self.passing.step(blocked) * step.falloff;
+        let is_closed = self.passing.share() < CLOSED;
+        if is_closed {
+            self.closed += self.passing.share() * step.falloff;
+        }
+        is_closed
+    }
+
+    /// Visibility and error.
+    pub(crate) fn result(&self) -> ConeResult {
+        let visibility = if self.closed == 0.0 { 1.0 } else { (1.0 - self.closed).clamp(0.0, 1.0) };
+        ConeResult { visibility, error: self.error }
     }
 }
 

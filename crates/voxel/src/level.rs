@@ -1,10 +1,7 @@
-//! How one level's nodes are stored: sparse bricks of 8 x 8 x 8 nodes found through pages of 8 x 8 x 8 bricks.
+//! How one level's nodes are stored: sparse bricks of 8 x 8 x 8 nodes, found through a table of all their places.
 
-use crate::morton;
+use crate::{filter_bits::FilterBits, morton};
 use glam::UVec3;
-
-/// No brick or no page.
-const NONE: u32 = u32::MAX;
 
 /// 512 leaves.
 #[derive(Clone)]
@@ -46,10 +43,14 @@ pub(crate) struct Level {
     pub(crate) side: u32,
     /// Morton codes of the bricks, ascending, in the order in which they are stored.
     pub(crate) codes: Vec<u32>,
+    /// Numbers of bricks, and of the blocks of `filter`: those with a brick have its number, the rest higher ones.
     pub(crate) table: BrickTable,
+    /// Brick number 0 is empty; it stands for all places without a brick.
     pub(crate) bricks: Bricks,
-    /// Opacity across x, y and z in 255ths, for each brick; empty unless asked for.
+    /// Opacity across x, y and z in 255ths, for each brick but number 0; empty unless asked for.
     pub(crate) axes: Vec<[[u8; 3]; 512]>,
+    /// Where filters meet nothing.
+    pub(crate) filter: FilterBits,
 }
 
 /// Index of a node within its brick.
@@ -59,6 +60,14 @@ pub(crate) fn cell_in_brick(local: UVec3) -> usize {
 }
 
 impl Level {
+    /// A level of those bricks, with its tables.
+    pub(crate) fn new(side: u32, codes: Vec<u32>, bricks: Bricks, axes: Vec<[[u8; 3]; 512]>) -> Self {
+        let table = BrickTable::new(side, &codes);
+        let mut level = Self { side, codes, table, bricks, axes, filter: FilterBits::default() };
+        FilterBits::add_to(&mut level);
+        level
+    }
+
     /// Bricks along a side.
     pub(crate) fn bricks_per_side(side: u32) -> u32 {
         side.div_ceil(8)
@@ -91,10 +100,25 @@ impl Level {
         }
     }
 
-    /// The brick that holds a node, and the node's index in it.
+    /// Index in `bricks` of what the table has at an index: the empty brick where there is none.
+    #[inline(always)]
+    pub(crate) fn stored(&self, index: usize) -> usize {
+        let number = self.table.numbers[index] as usize;
+        // Blocks of the filter's bits alone have no brick.
+        if number <= self.codes.len() { number } else { 0 }
+    }
+
+    /// Number of the brick at a place within the cube, if there is one.
+    #[inline]
+    pub(crate) fn brick_at(&self, place: UVec3) -> Option<u32> {
+        let number = self.table.numbers[self.table.index(place)];
+        (1..=self.codes.len() as u32).contains(&number).then_some(number)
+    }
+
+    /// Number of the brick that holds a node, and the node's index in it.
     #[inline]
     pub(crate) fn find(&self, cell: UVec3) -> Option<(u32, usize)> {
-        Some((self.table.find(cell / 8)?, cell_in_brick(cell % 8)))
+        Some((self.brick_at(cell / 8)?, cell_in_brick(cell % 8)))
     }
 
     /// Bytes held.
@@ -105,75 +129,49 @@ impl Level {
         };
         (bricks + size_of_val(self.axes.as_slice()) + size_of_val(self.codes.as_slice())) as u64
             + self.table.memory_bytes()
+            + self.filter.memory_bytes()
     }
 }
 
-/// From a brick's place to its index, in two steps.
-#[derive(Clone)]
+/// From a brick's place to its number, with a border of one brick about the cube.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BrickTable {
-    /// Pages along a side.
-    side: u32,
-    /// For each page of 8 x 8 x 8 bricks its index in `pages`, or [`NONE`].
-    roots: Vec<u32>,
-    /// For each brick of a page its index, or [`NONE`].
-    pages: Vec<[u32; 512]>,
+    /// Bricks along a side, with the border.
+    pub(crate) across: u32,
+    /// The number of the brick at each place, x fastest.
+    pub(crate) numbers: Vec<u32>,
 }
 
 impl BrickTable {
-    /// The table of a level with that many nodes a side and those bricks.
+    /// The table of a level with that many nodes a side: bricks get the numbers from 1 on in the order of their Morton
+    /// codes, all other places 0.
     pub(crate) fn new(side: u32, codes: &[u32]) -> Self {
-        let side = Self::pages_per_side(side);
-        let mut table = Self {
-            side,
-            roots: vec![NONE; side.pow(3) as usize],
-            pages: Vec::with_capacity(Self::page_count(codes)),
-        };
-        for (&code, index) in codes.iter().zip(0u32..) {
-            let brick = morton::decode(code);
-            let root = table.root(brick);
-            if table.roots[root] == NONE {
-                table.roots[root] = table.pages.len() as u32;
-                table.pages.push([NONE; 512]);
-            }
-            table.pages[table.roots[root] as usize][cell_in_brick(brick % 8)] = index;
+        let across = Self::across(side);
+        let mut table = Self { across, numbers: vec![0; across.pow(3) as usize] };
+        for (number, &code) in (1..).zip(codes) {
+            let index = table.index(morton::decode(code));
+            table.numbers[index] = number;
         }
         table
     }
 
-    fn pages_per_side(side: u32) -> u32 {
-        Level::bricks_per_side(side).div_ceil(8)
+    fn across(side: u32) -> u32 {
+        Level::bricks_per_side(side) + 2
     }
 
-    fn page_count(codes: &[u32]) -> usize {
-        // A page is 512 consecutive codes.
-        codes.chunk_by(|a, b| a >> 9 == b >> 9).count()
+    /// Bytes of the table of a level with that many nodes a side.
+    pub(crate) fn bytes_for(side: u32) -> u64 {
+        u64::from(Self::across(side).pow(3)) * size_of::<u32>() as u64
     }
 
-    /// Bytes of the table of a level with that many nodes a side and those bricks.
-    pub(crate) fn bytes_for(side: u32, codes: &[u32]) -> u64 {
-        let roots = u64::from(Self::pages_per_side(side).pow(3)) * size_of::<u32>() as u64;
-        roots + Self::page_count(codes) as u64 * size_of::<[u32; 512]>() as u64
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        size_of_val(self.numbers.as_slice()) as u64
     }
 
-    fn memory_bytes(&self) -> u64 {
-        (size_of_val(self.roots.as_slice()) + size_of_val(self.pages.as_slice())) as u64
-    }
-
+    /// Where the number of the brick at a place is; the place may lie on the border above the cube.
     #[inline]
-    fn root(&self, brick: UVec3) -> usize {
-        let page = brick / 8;
-        ((page.z * self.side + page.y) * self.side + page.x) as usize
-    }
-
-    /// Index of the brick at a place within the cube.
-    #[inline]
-    pub(crate) fn find(&self, brick: UVec3) -> Option<u32> {
-        let page = self.roots[self.root(brick)];
-        if page == NONE {
-            return None;
-        }
-        let index = self.pages[page as usize][cell_in_brick(brick % 8)];
-        (index != NONE).then_some(index)
+    pub(crate) fn index(&self, brick: UVec3) -> usize {
+        (((brick.z + 1) * self.across + brick.y + 1) * self.across + brick.x + 1) as usize
     }
 }
 
@@ -181,7 +179,7 @@ impl Level {
     /// Opacities of a node across x, y and z, in [0, 1]; only where the level keeps them.
     #[inline]
     pub(crate) fn axis_opacities(&self, brick: u32, index: usize) -> conray_core::Vec3 {
-        let [x, y, z] = self.axes[brick as usize][index];
+        let [x, y, z] = self.axes[brick as usize - 1][index];
         conray_core::Vec3::new(f32::from(x), f32::from(y), f32::from(z)) * (1.0 / 255.0)
     }
 }

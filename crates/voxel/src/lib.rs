@@ -3,6 +3,7 @@
 //! ```text
 //! Geometry --clusters--> bricks touched (marks) --voxelise--> leaves --upward--> levels   (Octree::build)
 //! ConeQuery --march, filtered look-ups--> ConeResult                                       (Octree::march)
+//! all cones of a point, sixteen side by side                                              (Octree::cone_march)
 //! ```
 //!
 //! A **leaf** is a voxel of the finest grid; level `l` has nodes of `2^l` leaves a side and a node's eight children
@@ -17,8 +18,10 @@ mod cells;
 mod clip;
 mod clusters;
 mod compose;
+mod cone_set;
 mod coverage;
 mod error;
+mod filter_bits;
 mod grid;
 mod level;
 mod lookup;
@@ -28,11 +31,13 @@ mod morton;
 mod octree;
 mod options;
 mod region;
-mod skip;
+mod rows;
+mod steps;
 mod upward;
 mod validate;
 mod voxelise;
 
+pub use cone_set::{ConeMarch, Level as SimdLevel};
 pub use error::VoxelError;
 pub use lookup::Sample;
 pub use march::{ConeQuery, ConeResult, Density, MarchOptions};

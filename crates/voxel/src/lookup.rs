@@ -1,8 +1,8 @@
 //! Filtered look-ups: trilinear within a level, linear between two.
 
-use crate::{Octree, level::Level};
+use crate::{Octree, level::Level, rows::Rows};
 use conray_core::Vec3;
-use glam::IVec3;
+use glam::{IVec3, Vec4};
 
 /// Opacity about a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,13 +22,40 @@ pub(crate) struct Slope {
 }
 
 impl Slope {
+    /// The last step of an interpolation: along x, between mean and SD at the lower and at the upper end of a row, and
+    /// between their changes along y and z.
+    #[inline(always)]
+    pub(crate) fn along_x(at: [f32; 4], by_y: [f32; 4], by_z: [f32; 4], x: f32) -> Self {
+        let by_x = at[2] - at[0];
+        let sample = Sample { mean: at[0] + by_x * x, sd: at[1] + (at[3] - at[1]) * x };
+        let gradient = Vec3::new(by_x, by_y[0] + (by_y[2] - by_y[0]) * x, by_z[0] + (by_z[2] - by_z[0]) * x);
+        Self { sample, gradient }
+    }
+
+    /// From 65535ths and nodes of a level to opacities and leaves.
+    #[inline(always)]
+    pub(crate) fn in_leaves(self, level: usize) -> Self {
+        let sample = Sample { mean: self.sample.mean * Self::UNIT, sd: self.sample.sd * Self::UNIT };
+        Self { sample, gradient: self.gradient * Self::gradient_unit(level) }
+    }
+
+    /// What opacities are stored in.
+    pub(crate) const UNIT: f32 = 1.0 / 65535.0;
+
+    /// The same by the edge of a level's nodes.
+    #[inline(always)]
+    pub(crate) fn gradient_unit(level: usize) -> f32 {
+        Self::UNIT / (1u32 << level) as f32
+    }
+
+    #[inline(always)]
     fn lerp(self, other: Self, share: f32) -> Self {
         let lerp = |a: f32, b: f32| a + share * (b - a);
         let sample = Sample {
             mean: lerp(self.sample.mean, other.sample.mean),
             sd: lerp(self.sample.sd, other.sample.sd),
         };
-        Self { sample, gradient: self.gradient.lerp(other.gradient, share) }
+        Self { sample, gradient: self.gradient + share * (other.gradient - self.gradient) }
     }
 }
 
@@ -52,15 +79,6 @@ impl Taps {
         Some(Self { low, share: at - low.as_vec3() })
     }
 
-    /// True where all eight lie in one brick.
-    #[inline]
-    fn is_in_one_brick(&self, side: u32) -> bool {
-        let last = IVec3::splat(side as i32 - 1);
-        self.low.cmpge(IVec3::ZERO).all()
-            && self.low.cmplt(last).all()
-            && (self.low & 7).cmplt(IVec3::splat(7)).all()
-    }
-
     /// Weight of tap `c`: bit k chooses the upper node on axis k.
     #[inline]
     fn weight(&self, c: usize) -> f32 {
@@ -68,41 +86,34 @@ impl Taps {
         on(0, self.share.x) * on(1, self.share.y) * on(2, self.share.z)
     }
 
-    /// Derivative of [`Taps::weight`] along each axis, per node.
-    #[inline]
-    fn slope(&self, c: usize) -> Vec3 {
-        let on = |k: usize, share: f32| if c >> k & 1 == 1 { (share, 1.0) } else { (1.0 - share, -1.0) };
-        let ((x, dx), (y, dy), (z, dz)) = (on(0, self.share.x), on(1, self.share.y), on(2, self.share.z));
-        Vec3::new(dx * y * z, x * dy * z, x * y * dz)
-    }
-
     #[inline]
     fn cell(&self, c: usize) -> IVec3 {
         self.low + IVec3::new(c as i32 & 1, c as i32 >> 1 & 1, c as i32 >> 2)
     }
 
-    /// The lowest of the eight.
-    pub(crate) fn low(&self) -> IVec3 {
-        self.low
-    }
-
     /// True where no triangle touches any of the eight.
-    pub(crate) fn is_empty(&self, level: &Level) -> bool {
-        let mut empty = true;
-        self.for_each(level, |brick, index, _| empty &= !level.is_occupied(brick, index));
-        empty
+    #[inline]
+    pub(crate) fn is_vacant(&self, level: &Level) -> bool {
+        // Rounding may put a position just inside the cube one node outside.
+        level.is_vacant((self.low + 1).min(IVec3::splat(level.side as i32)))
     }
 
-    /// Calls `visit` with brick, index and number of each tap in a stored brick.
+    /// Mean and SD of the eight, interpolated, and the change of the mean along each axis per node; all in 65535ths.
+    #[inline]
+    fn interpolate(&self, level: &Level) -> Slope {
+        let rows = Rows::new(level, (self.low + 1).as_uvec3()).0.map(|row| Vec4::from(row.map(f32::from)));
+        let [x, y, z] = self.share.to_array();
+        // Along z, then y, for both ends of the rows at once; each keeps the differences.
+        let (low_by_z, high_by_z) = (rows[2] - rows[0], rows[3] - rows[1]);
+        let (low, high) = (rows[0] + low_by_z * z, rows[1] + high_by_z * z);
+        let by_y = high - low;
+        let (at, by_z) = (low + by_y * y, low_by_z + (high_by_z - low_by_z) * y);
+        Slope::along_x(at.to_array(), by_y.to_array(), by_z.to_array(), x)
+    }
+
+    /// Calls `visit` with brick number, index and number of each tap in a stored brick.
     #[inline]
     fn for_each(&self, level: &Level, mut visit: impl FnMut(u32, usize, usize)) {
-        if self.is_in_one_brick(level.side) {
-            let Some((brick, index)) = level.find(self.low.as_uvec3()) else { return };
-            for c in 0..8 {
-                visit(brick, index + (c & 1) + (c >> 1 & 1) * 8 + (c >> 2) * 64, c);
-            }
-            return;
-        }
         let inside = IVec3::splat(level.side as i32);
         for c in 0..8 {
             let cell = self.cell(c);
@@ -123,34 +134,29 @@ impl Octree {
     /// is trilinear between the centres of the eight nearest nodes, and linear between levels. A position that is
     /// not finite, or more than half a node outside the cube, gives zero.
     pub fn sample(&self, level: f32, position: Vec3) -> Sample {
-        self.slope_leaf_units(level, self.leaf_units(position)).unwrap_or_default().sample
+        let (level, share) = self.split_level(level);
+        self.slope_leaf_units(level, share, self.leaf_units(position)).sample
     }
 
-    /// The same for a position in leaf units; `None` where no triangle touches any node in the filter's reach.
+    /// The same for a position in leaf units, with weight `share` on the level above.
     #[inline]
-    pub(crate) fn slope_leaf_units(&self, level: f32, position: Vec3) -> Option<Slope> {
-        let (level, share) = self.split_level(level);
-        if share > 0.0 {
-            // The coarser filter holds the finer one: where it finds nothing, nothing is there.
-            let coarse = self.trilinear(level + 1, position)?;
-            Some(self.trilinear(level, position).unwrap_or_default().lerp(coarse, share))
-        } else {
-            self.trilinear(level, position)
-        }
+    pub(crate) fn slope_leaf_units(&self, level: usize, share: f32, position: Vec3) -> Slope {
+        let fine = self.trilinear(level, position);
+        if share > 0.0 { fine.lerp(self.trilinear(level + 1, position), share) } else { fine }
     }
 
     /// Opacity across x, y and z about a world position, filtered as in [`Octree::sample`]; zero unless the octree was built
     /// with [`crate::OctreeOptions::directional`].
     pub fn sample_axes(&self, level: f32, position: Vec3) -> Vec3 {
-        self.axes_leaf_units(level, self.leaf_units(position))
+        let (level, share) = self.split_level(level);
+        self.axes_leaf_units(level, share, self.leaf_units(position))
     }
 
     /// The same for a position in leaf units.
-    pub(crate) fn axes_leaf_units(&self, level: f32, position: Vec3) -> Vec3 {
+    pub(crate) fn axes_leaf_units(&self, level: usize, share: f32, position: Vec3) -> Vec3 {
         if !self.is_directional() {
             return Vec3::ZERO;
         }
-        let (level, share) = self.split_level(level);
         let fine = self.trilinear_axes(level, position);
         if share > 0.0 { fine.lerp(self.trilinear_axes(level + 1, position), share) } else { fine }
     }
@@ -168,21 +174,11 @@ impl Octree {
         (position - self.grid.origin) / self.grid.voxel_size
     }
 
-    /// `None` where no triangle touches any of the eight nodes.
-    fn trilinear(&self, level: usize, position: Vec3) -> Option<Slope> {
+    #[inline]
+    fn trilinear(&self, level: usize, position: Vec3) -> Slope {
         let nodes = &self.levels[level];
-        let taps = Taps::new(position, level, nodes.side)?;
-        let (mut slope, mut touched) = (Slope::default(), false);
-        taps.for_each(nodes, |brick, index, c| {
-            let (mean, sd) = nodes.mean_sd(brick, index);
-            let weight = taps.weight(c);
-            slope.sample.mean += weight * mean;
-            slope.sample.sd += weight * sd;
-            slope.gradient += taps.slope(c) * mean;
-            touched |= nodes.is_occupied(brick, index);
-        });
-        slope.gradient *= 1.0 / (1u32 << level) as f32;
-        touched.then_some(slope)
+        let Some(taps) = Taps::new(position, level, nodes.side) else { return Slope::default() };
+        taps.interpolate(nodes).in_leaves(level)
     }
 
     fn trilinear_axes(&self, level: usize, position: Vec3) -> Vec3 {

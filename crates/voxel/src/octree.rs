@@ -62,7 +62,7 @@ impl Octree {
     /// Facts for a report; counts every node once.
     pub fn stats(&self) -> OctreeStats {
         let ones = |level: &Level| -> u64 {
-            let words = (0..level.codes.len() as u32).flat_map(|b| level.occupied(b));
+            let words = (1..=level.codes.len() as u32).flat_map(|b| level.occupied(b));
             words.map(|word| u64::from(word.count_ones())).sum()
         };
         OctreeStats {

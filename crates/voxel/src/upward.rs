@@ -4,7 +4,7 @@
 //! of its finest descendants, rounded once. A brick is one node three levels up, so each three levels are computed
 //! from the sums of one, and only every third level's sums are ever held.
 
-use crate::level::{BrickTable, Bricks, LeafBrick, Level, NodeBrick, cell_in_brick};
+use crate::level::{Bricks, LeafBrick, Level, NodeBrick, cell_in_brick};
 use crate::morton;
 use glam::UVec3;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ impl Base<'_> {
                 let q = u64::from(leaves[brick as usize].means[index]);
                 Sums { first: q, second: q * q }
             }
-            Self::Sums(sums) => sums[brick as usize][index],
+            Self::Sums(sums) => sums[brick as usize - 1][index],
         }
     }
 }
@@ -101,12 +101,12 @@ fn build_level(
     let codes = parent_codes(&below.codes);
     let leaves = 1u64 << (3 * (base + step));
     let mut kept = vec![[Sums::default(); 512]; if keep { codes.len() } else { 0 }];
-    let mut bricks = vec![NodeBrick::EMPTY; codes.len()];
+    let mut bricks = vec![NodeBrick::EMPTY; codes.len() + 1];
     if keep {
-        let jobs = bricks.par_iter_mut().zip(&mut kept).zip(&codes);
+        let jobs = bricks[1..].par_iter_mut().zip(&mut kept).zip(&codes);
         jobs.for_each(|((brick, sums), &code)| fill(brick, sums, code, from, source, step, leaves));
     } else {
-        let jobs = bricks.par_iter_mut().zip(&codes);
+        let jobs = bricks[1..].par_iter_mut().zip(&codes);
         jobs.for_each(|(brick, &code)| {
             fill(brick, &mut [Sums::default(); 512], code, from, source, step, leaves);
         });
@@ -116,8 +116,7 @@ fn build_level(
     } else {
         codes.par_iter().map(|&code| composited_axes(code, below)).collect()
     };
-    let table = BrickTable::new(side, &codes);
-    (Level { side, codes, table, bricks: Bricks::Nodes(bricks), axes }, kept)
+    (Level::new(side, codes, Bricks::Nodes(bricks), axes), kept)
 }
 
 /// Fills one brick from all base bricks inside it.
@@ -136,7 +135,7 @@ fn fill(
         for y in low.y..end.y {
             for x in low.x..end.x {
                 let place = UVec3::new(x, y, z);
-                if let Some(found) = from.table.find(place) {
+                if let Some(found) = from.brick_at(place) {
                     gather(brick, sums, (place - low) * (8 >> step), from, found, source, step);
                 }
             }
@@ -184,8 +183,9 @@ fn composited_axes(code: u32, below: &Level) -> [[u8; 3]; 512] {
         }
         // All eight children lie in one brick.
         let Some((brick, start)) = below.find(first) else { return [0; 3] };
-        let child =
-            |c: usize, axis: usize| f32::from(below.axes[brick as usize][start + offset(c)][axis]) / 255.0;
+        let child = |c: usize, axis: usize| {
+            f32::from(below.axes[brick as usize - 1][start + offset(c)][axis]) / 255.0
+        };
         std::array::from_fn(|axis| {
             let through = |c: usize| (1.0 - child(c, axis)) * (1.0 - child(c | 1 << axis, axis));
             let open: f32 = (0..8).filter(|c| c >> axis & 1 == 0).map(through).sum();

@@ -13,7 +13,7 @@ impl Octree {
     ///
     /// Bricks are sorted, complete and found through their table; a node is empty exactly where its children are;
     /// empty nodes have no opacity; means are those of the children within rounding; means and SDs equal those
-    /// recomputed from the leaves; `0 <= SD^2 <= mean (1 - mean)`.
+    /// recomputed from the leaves; `0 <= SD^2 <= mean (1 - mean)`; filters meet something exactly where a node is occupied.
     pub fn validate(&self) -> Result<(), String> {
         let mut side = self.grid.resolution;
         for (l, level) in self.levels.iter().enumerate() {
@@ -22,6 +22,7 @@ impl Octree {
             }
             check_table(level).map_err(|e| format!("level {l}: {e}"))?;
             check_nodes(level).map_err(|e| format!("level {l}: {e}"))?;
+            check_filter(level).map_err(|e| format!("level {l}: {e}"))?;
             if l > 0 {
                 self.check_parents(l).map_err(|e| format!("level {l}: {e}"))?;
                 self.check_moments(l as u32).map_err(|e| format!("level {l}: {e}"))?;
@@ -59,7 +60,7 @@ impl Octree {
         let nodes = level.codes.len() * 512;
         let stride = (nodes / 512).max(1) | 1;
         for k in (0..nodes).step_by(stride) {
-            let (brick, index) = ((k / 512) as u32, k % 512);
+            let (brick, index) = ((k / 512) as u32 + 1, k % 512);
             let cell = cell_of(level, brick, index);
             if cell.max_element() >= level.side as i32 {
                 continue;
@@ -97,7 +98,7 @@ fn check_table(level: &Level) -> Result<(), String> {
         Bricks::Leaves(b) => b.len(),
         Bricks::Nodes(b) => b.len(),
     };
-    if bricks != level.codes.len() || !(level.axes.is_empty() || level.axes.len() == bricks) {
+    if bricks != level.codes.len() + 1 || !(level.axes.is_empty() || level.axes.len() == level.codes.len()) {
         return Err("arrays of different lengths".into());
     }
     if !level.codes.is_sorted_by(|a, b| a < b) {
@@ -109,15 +110,40 @@ fn check_table(level: &Level) -> Result<(), String> {
         for y in 0..across {
             for x in 0..across {
                 let place = UVec3::new(x, y, z);
-                let Some(brick) = level.table.find(place) else { continue };
-                if level.codes.get(brick as usize) != Some(&morton::encode(place)) {
+                let Some(brick) = level.brick_at(place) else { continue };
+                if level.codes.get(brick as usize - 1) != Some(&morton::encode(place)) {
                     return Err(format!("the table has brick {brick} at {place}"));
                 }
                 found += 1;
             }
         }
     }
-    if found == bricks { Ok(()) } else { Err(format!("{found} of {bricks} bricks are in the table")) }
+    let all = level.codes.len();
+    if found == all { Ok(()) } else { Err(format!("{found} of {all} bricks are in the table")) }
+}
+
+/// The filter meets something at a place exactly where one of its eight nodes is occupied.
+fn check_filter(level: &Level) -> Result<(), String> {
+    let corner = |c: i32| IVec3::new(c & 1, c >> 1 & 1, c >> 2);
+    let inside =
+        |cell: IVec3| cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(level.side as i32)).all();
+    let is_occupied = |cell: IVec3| {
+        let found = inside(cell).then(|| level.find(cell.as_uvec3())).flatten();
+        found.is_some_and(|(brick, index)| level.is_occupied(brick, index))
+    };
+    // Every place that a brick's nodes are met from, in bricks and in blocks without one.
+    for_each_node(level, |cell, _, _| {
+        for place in (0..8).map(|c| cell + corner(c)) {
+            if !place.cmple(IVec3::splat(level.side as i32)).all() {
+                continue;
+            }
+            let expected = !(0..8).any(|c| is_occupied(place - corner(c)));
+            if level.is_vacant(place) != expected {
+                return Err(format!("the filter at {place} should be vacant: {expected}"));
+            }
+        }
+        Ok(())
+    })
 }
 
 /// What holds for a node by itself.
@@ -143,7 +169,7 @@ fn check_nodes(level: &Level) -> Result<(), String> {
 }
 
 fn cell_of(level: &Level, brick: u32, index: usize) -> IVec3 {
-    let corner = morton::decode(level.codes[brick as usize]) * 8;
+    let corner = morton::decode(level.codes[brick as usize - 1]) * 8;
     let local = UVec3::new(index as u32 & 7, index as u32 >> 3 & 7, index as u32 >> 6);
     debug_assert_eq!(cell_in_brick(local), index);
     (corner + local).as_ivec3()
@@ -153,10 +179,39 @@ fn for_each_node(
     level: &Level,
     check: impl Fn(IVec3, u32, usize) -> Result<(), String>,
 ) -> Result<(), String> {
-    for brick in 0..level.codes.len() as u32 {
+    for brick in 1..=level.codes.len() as u32 {
         for index in 0..512 {
             check(cell_of(level, brick, index), brick, index)?;
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::OctreeOptions;
+    use conray_core::{Affine3A, Geometry, TriangleMesh, Vec3};
+
+    #[test]
+    fn a_wrong_bit_of_a_filter_is_found() {
+        let mut geometry = Geometry::default();
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::new(0.3, 1.0, 0.8)];
+        let mesh = geometry.add_mesh(TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap()).unwrap();
+        geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
+        let octree =
+            Octree::build(&geometry, &OctreeOptions { resolution: 32, ..Default::default() }).unwrap();
+        octree.validate().unwrap();
+        for l in 0..octree.levels.len() {
+            let mut wrong = octree.clone();
+            let blocks = &mut wrong.levels[l].filter.blocks;
+            let (block, word) = (1..blocks.len())
+                .flat_map(|block| (0..16).map(move |word| (block, word)))
+                .find(|&(block, word)| blocks[block][word] != 0)
+                .unwrap();
+            let bits = &mut blocks[block][word];
+            *bits &= *bits - 1;
+            assert!(wrong.validate().unwrap_err().contains("filter"), "level {l}");
+        }
+    }
 }

@@ -6,7 +6,7 @@
 use crate::{
     cells::TriangleCells,
     clusters::Clusters,
-    coverage::CoverageTriangle,
+    coverage::{CoverageTriangle, MaskMeans},
     grid::Grid,
     level::{LeafBrick, cell_in_brick},
     marks::{BrickMarks, PlacedInstance},
@@ -64,7 +64,9 @@ pub(crate) fn voxelise(
         Listed { instance: i as u32, min: min.to_array(), max: max.to_array() }
     };
     let listed: Vec<Listed> = (0..geometry.instances().len()).into_par_iter().map(list).collect();
-    Part { geometry, clusters, grid, words: marks.words(), first: 0 }.fill(&listed, leaves, axes);
+    let means = MaskMeans::new(geometry);
+    Part { geometry, clusters, means: &means, grid, words: marks.words(), first: 0 }
+        .fill(&listed, leaves, axes);
 }
 
 /// A power of two of chunks, consecutive in Morton order.
@@ -72,6 +74,7 @@ pub(crate) fn voxelise(
 struct Part<'a> {
     geometry: &'a Geometry,
     clusters: &'a Clusters,
+    means: &'a MaskMeans,
     grid: &'a Grid,
     words: &'a [u64],
     first: u32,
@@ -142,7 +145,7 @@ impl Part<'_> {
         let cells = TriangleCells::new(corners, placed.pad);
         let mesh = placed.mesh as usize;
         let mut covering =
-            CoverageTriangle::new(self.geometry, mesh, triangle as usize, corners, cells.axes());
+            CoverageTriangle::new(self.geometry, self.means, mesh, triangle as usize, corners, cells.axes());
         let last = IVec3::splat(CHUNK.min(self.grid.resolution) as i32 - 1);
         cells.for_each(low, low + last, |cell| {
             let local = (cell - low).as_uvec3();

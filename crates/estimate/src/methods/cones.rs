@@ -1,19 +1,19 @@
 //! Method `cones`: the hemisphere as a set of cones marched through the octree.
 
+use super::above_surface::AboveSurface;
 use crate::AoPlan;
-use conray_core::{Cone, ConeEstimate, Estimate, Frame, SurfacePoint, Vec2, Vec3};
-use conray_voxel::{ConeQuery, ConeResult, Octree};
+use conray_core::{Cone, ConeEstimate, Estimate, Frame, SurfacePoint, Vec3};
+use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
 
 /// The estimate by cones alone.
 pub(crate) struct Cones<'a> {
-    pub(crate) plan: &'a AoPlan,
-    pub(crate) octree: &'a Octree,
+    pub(crate) marches: Marches<'a>,
 }
 
 impl Cones<'_> {
     pub(crate) fn estimate(&self, point: &SurfacePoint) -> Estimate {
         let (mut visibility, mut error, mut bent) = (0.0, 0.0, Vec3::ZERO);
-        for (cone, axis, result) in march_all(self.plan, self.octree, point) {
+        for (cone, axis, result) in self.marches.at(point) {
             visibility += cone.weight * result.visibility;
             error += cone.weight * result.error;
             bent += cone.weight * result.visibility * axis;
@@ -23,38 +23,35 @@ impl Cones<'_> {
     }
 }
 
-/// Marches every cone of the plan at a point: the cone, its axis in world space and its result.
-pub(crate) fn march_all<'a>(
+/// The cones of a plan, prepared for marching.
+pub(crate) struct Marches<'a> {
     plan: &'a AoPlan,
-    octree: &'a Octree,
-    point: &SurfacePoint,
-) -> impl Iterator<Item = (&'a Cone, Vec3, ConeResult)> {
-    let frame = Frame::from_normal(point.shading_normal);
-    let point = *point;
-    plan.cones.cones().iter().map(move |cone| {
-        let axis = frame.to_world(cone.axis);
-        let mut result = octree.march(&ConeQuery {
-            apex: point.position,
-            axis,
-            half_angle_rad: cone.half_angle_rad,
-            normal: point.geometric_normal,
-            distance: plan.distance,
-            falloff: plan.falloff,
-        });
-        result.visibility *= share_above_surface(cone, &frame, &point);
-        (cone, axis, result)
-    })
+    march: ConeMarch<'a>,
+    above: AboveSurface,
 }
 
-/// Share of a cone's directions that are above the geometric surface; the point's own surface is in the way of the rest.
-fn share_above_surface(cone: &Cone, frame: &Frame, point: &SurfacePoint) -> f32 {
-    const SIDE: u32 = 4;
-    if point.shading_normal == point.geometric_normal {
-        return 1.0;
+/// Most cones of a set.
+const MOST_CONES: usize = 25;
+
+impl<'a> Marches<'a> {
+    pub(crate) fn new(plan: &'a AoPlan, octree: &'a Octree) -> Self {
+        let march = octree.cone_march(&plan.cones, plan.distance, plan.falloff, &MarchOptions::default());
+        Self { plan, march, above: AboveSurface::new(&plan.cones) }
     }
-    let above = (0..SIDE * SIDE).filter(|i| {
-        let u = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32;
-        frame.to_world(cone.sample(u)).dot(point.geometric_normal) > 0.0
-    });
-    above.count() as f32 / (SIDE * SIDE) as f32
+
+    /// Marches every cone at a point: the cone, its axis in world space and its result.
+    pub(crate) fn at(
+        &self,
+        point: &SurfacePoint,
+    ) -> impl Iterator<Item = (&'a Cone, Vec3, ConeResult)> + use<'a> {
+        let frame = Frame::from_normal(point.shading_normal);
+        let cones = self.plan.cones.cones();
+        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; MOST_CONES];
+        self.march.march(point.position, point.geometric_normal, &frame, &mut results[..cones.len()]);
+        if point.shading_normal != point.geometric_normal {
+            let normal = frame.to_local(point.geometric_normal);
+            self.above.scale(normal, &mut results[..cones.len()]);
+        }
+        cones.iter().zip(results).map(move |(cone, result)| (cone, frame.to_world(cone.axis), result))
+    }
 }

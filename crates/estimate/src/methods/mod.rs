@@ -1,5 +1,6 @@
 //! The methods, one file each. Every method is a value with `estimate(&SurfacePoint) -> Estimate`.
 
+mod above_surface;
 mod cones;
 mod paper;
 mod point_rays;
@@ -8,6 +9,6 @@ mod rays;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use cones::{Cones, march_all};
+pub(crate) use cones::{Cones, Marches};
 pub(crate) use paper::{Paper, cone_share, ray_count};
 pub(crate) use rays::Rays;

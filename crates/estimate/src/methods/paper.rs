@@ -5,20 +5,20 @@
 //! none the cone is taken alone; rays follow an Owen-scrambled Sobol sequence per cone.
 
 use super::{
-    cones::march_all,
+    cones::Marches,
     point_rays::{PointRays, RayQueue, Tally},
 };
 use crate::AoPlan;
 use conray_bvh::Bvh;
 use conray_core::{Cone, ConeEstimate, Estimate, SurfacePoint, Vec3, hash_u32, owen_sobol_2d};
-use conray_voxel::{ConeResult, Octree};
+use conray_voxel::ConeResult;
 use std::ops::Range;
 
 /// The published blend of cones and rays.
 pub(crate) struct Paper<'a> {
     pub(crate) plan: &'a AoPlan,
     pub(crate) bvh: &'a Bvh,
-    pub(crate) octree: &'a Octree,
+    pub(crate) marches: Marches<'a>,
     /// Which frames; each has rays of its own, and their mean is the estimate.
     pub(crate) frames: Range<u32>,
 }
@@ -28,7 +28,7 @@ impl Paper<'_> {
         let plan = self.plan;
         let point_rays = PointRays::new(plan, self.bvh, point);
         let seed = hash_u32(point.id ^ hash_u32(plan.seed));
-        let marched: Vec<_> = march_all(plan, self.octree, point).collect();
+        let marched: Vec<_> = self.marches.at(point).collect();
         let tallies = self.trace(&point_rays, seed, &marched);
         let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
