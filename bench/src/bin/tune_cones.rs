@@ -37,8 +37,8 @@ fn main() -> Result<(), Error> {
     let names: Vec<String> = benches.iter().map(|b| format!("{:>15}", b.name)).collect();
     println!("{:>6} {:>5} {:>5} {} {:>8} {:>7}", "width", "step", "lift", names.join(" "), "mean", "s");
     let mut rows = Vec::new();
-    for width in [0.1, 0.15, 0.2, 0.3, 0.5, 1.0] {
-        for step in [0.75, 1.0, 1.1, 1.2, 1.5] {
+    for width in [0.1, 0.15, 0.2, 0.25, 0.3, 0.5, 1.0] {
+        for step in [0.75, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5] {
             for lift in [1.0, 1.5, 1.75, 2.0, 2.5] {
                 let options = MarchOptions { width, step, lift, ..MarchOptions::default() };
                 let start = Instant::now();
