@@ -40,7 +40,7 @@ pub use conray_core::{
 };
 pub use conray_estimate::{
     AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, Control, CpuBackend,
-    Distance, Method, Sampling, SettingsError, limits, merge, view_cones,
+    Distance, Level, Method, Sampling, SettingsError, limits, merge, view_cones,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

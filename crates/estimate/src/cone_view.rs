@@ -4,6 +4,7 @@ use crate::{
     AoPlan,
     methods::{Marches, cone_share, ray_count},
 };
+use conray_bvh::Level;
 use conray_core::{Cone, SurfacePoint, Vec3};
 use conray_voxel::Octree;
 
@@ -30,7 +31,7 @@ pub fn view_cones<'a>(
     octree: &'a Octree,
     point: &SurfacePoint,
 ) -> impl Iterator<Item = ConeView<'a>> {
-    Marches::new(plan, octree).at(point).map(|(cone, axis, result)| {
+    Marches::new(plan, octree, Level::new()).at(point).map(|(cone, axis, result)| {
         let alpha = cone_share(result.error, plan);
         let rays = ray_count(alpha, plan.max_rays);
         ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }

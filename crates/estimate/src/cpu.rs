@@ -1,7 +1,7 @@
 //! The backend that runs on the processor's cores.
 
 use crate::{AoPlan, Backend, BackendError, Control, Method, methods};
-use conray_bvh::Bvh;
+use conray_bvh::{Bvh, Level};
 use conray_core::{Estimate, SurfacePoint, Vec3};
 use conray_voxel::Octree;
 use rayon::prelude::*;
@@ -22,6 +22,13 @@ impl CpuBackend {
     pub fn new(bvh: Arc<Bvh>, octree: Option<Arc<Octree>>) -> Self {
         Self { bvh, octree }
     }
+
+    /// The same at a level of SIMD of the caller's choice; it is the hierarchy's, at first the processor's best. Estimates are
+    /// the same bits at every level.
+    #[must_use]
+    pub fn at_level(self, level: Level) -> Self {
+        Self { bvh: Arc::new(Arc::unwrap_or_clone(self.bvh).at_level(level)), ..self }
+    }
 }
 
 impl Backend for CpuBackend {
@@ -36,19 +43,21 @@ impl Backend for CpuBackend {
         if points.len() != estimates.len() {
             return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
         }
-        let octree = || self.octree.as_deref().ok_or(BackendError::NoOctree(plan.method));
+        let marches = || {
+            let octree = self.octree.as_deref().ok_or(BackendError::NoOctree(plan.method))?;
+            Ok(methods::Marches::new(plan, octree, self.bvh.level()))
+        };
         match plan.method {
             Method::Rays => {
                 let rays = methods::Rays { plan, bvh: &self.bvh, samples };
                 each_point(points, estimates, control, |point| rays.estimate(point));
             }
             Method::Cones => {
-                let cones = methods::Cones { marches: methods::Marches::new(plan, octree()?) };
+                let cones = methods::Cones { marches: marches()? };
                 each_point(points, estimates, control, |point| cones.estimate(point));
             }
             Method::Paper | Method::Hybrid => {
-                let marches = methods::Marches::new(plan, octree()?);
-                let paper = methods::Paper { plan, bvh: &self.bvh, marches, frames: samples };
+                let paper = methods::Paper { plan, bvh: &self.bvh, marches: marches()?, frames: samples };
                 each_point(points, estimates, control, |point| paper.estimate(point));
             }
         }

@@ -17,6 +17,7 @@ mod settings;
 
 pub use backend::{Backend, BackendError, Control, merge};
 pub use cone_view::{ConeView, view_cones};
+pub use conray_bvh::Level;
 pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use plan::AoPlan;

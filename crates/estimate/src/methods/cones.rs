@@ -2,6 +2,7 @@
 
 use super::above_surface::AboveSurface;
 use crate::AoPlan;
+use conray_bvh::Level;
 use conray_core::{Cone, ConeEstimate, Estimate, Frame, SurfacePoint, Vec3};
 use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
 
@@ -34,8 +35,9 @@ pub(crate) struct Marches<'a> {
 const MOST_CONES: usize = 25;
 
 impl<'a> Marches<'a> {
-    pub(crate) fn new(plan: &'a AoPlan, octree: &'a Octree) -> Self {
-        let march = octree.cone_march(&plan.cones, plan.distance, plan.falloff, &MarchOptions::default());
+    pub(crate) fn new(plan: &'a AoPlan, octree: &'a Octree, level: Level) -> Self {
+        let options = MarchOptions::default();
+        let march = octree.cone_march(&plan.cones, plan.distance, plan.falloff, &options).at_level(level);
         Self { plan, march, above: AboveSurface::new(&plan.cones) }
     }
 
