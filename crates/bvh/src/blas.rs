@@ -6,6 +6,7 @@ use crate::refine::build_wide;
 use crate::wide::WideTree;
 use conray_core::Bounds;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A leaf holds one packet. Its cost is that of setting the packet up for a bundle; a triangle more in it costs nothing. Groups
 /// of one trace no faster than of four and take twice as long to build.
@@ -27,23 +28,26 @@ pub(crate) struct TriangleTree {
 impl TriangleTree {
     pub(crate) fn build(triangles: &[PlacedTriangle]) -> Self {
         let boxes: Vec<Bounds> = triangles.par_iter().map(|t| Bounds::of_points(t.corners)).collect();
-        let packets_expected = triangles.len() / 8;
-        let mut packets = Vec::with_capacity(packets_expected);
-        let mut ids = Vec::with_capacity(packets_expected);
-        let mut opaque = Vec::with_capacity(packets_expected);
-        let mut leaf = Vec::with_capacity(LEAF_RULE.max_items as usize);
+        // The leaves first, in order; their packets then in parallel.
+        let (mut order, mut leaves) = (Vec::with_capacity(triangles.len()), Vec::new());
         let tree = build_wide(&boxes, LEAF_RULE, |items| {
-            let first = packets.len() as u32;
-            leaf.clear();
-            leaf.extend(items.iter().map(|&i| triangles[i as usize]));
-            packets.push(Packet::new(&leaf));
-            let bit = |(lane, t): (usize, &PlacedTriangle)| u16::from(t.id.is_opaque()) << lane;
-            opaque.push(leaf.iter().enumerate().map(bit).sum());
-            ids.push(std::array::from_fn(|i| leaf.get(i).map_or(TriangleId::default(), |t| t.id)));
-            first
+            leaves.push(order.len()..order.len() + items.len());
+            order.extend_from_slice(items);
+            leaves.len() as u32 - 1
         });
-        packets.shrink_to_fit();
-        ids.shrink_to_fit();
+        drop(boxes);
+        let triangle = |lane: usize, leaf: &Range<usize>| triangles[order[leaf.start + lane] as usize];
+        let packets = leaves
+            .par_iter()
+            .map(|leaf| Packet::new(leaf.len(), |lane| triangle(lane, leaf).corners))
+            .collect();
+        let id = |lane: usize, leaf: &Range<usize>| {
+            if lane < leaf.len() { triangle(lane, leaf).id } else { TriangleId::default() }
+        };
+        let ids: Vec<PacketIds> =
+            leaves.par_iter().map(|leaf| std::array::from_fn(|lane| id(lane, leaf))).collect();
+        let bit = |(lane, id): (usize, &TriangleId)| u16::from(id.is_opaque()) << lane;
+        let opaque = ids.iter().map(|ids| ids.iter().enumerate().map(bit).sum()).collect();
         Self { tree, packets, ids, opaque, triangles: triangles.len() as u64 }
     }
 

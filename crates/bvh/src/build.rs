@@ -77,7 +77,7 @@ pub(crate) fn build(geometry: Arc<Geometry>) -> Result<Bvh, BvhError> {
         .collect();
     let (placed, singular) = place(&geometry, &plan, &instanced, &trees);
 
-    let mut flat = Vec::new();
+    let mut flat = Vec::with_capacity(plan.flat_triangles(&geometry));
     for (i, instance) in geometry.instances().iter().enumerate() {
         let m = instance.mesh as usize;
         if plan.is_flat(m) || singular.contains(&(i as u32)) {
@@ -111,6 +111,15 @@ impl Plan {
             occludes.then_some(uses[m] == 1 || uses[m] * triangles <= FLAT_TRIANGLES)
         };
         Self { flat: geometry.meshes().iter().enumerate().map(decide).collect() }
+    }
+
+    /// How many triangles are flattened, those of singular placements apart.
+    fn flat_triangles(&self, geometry: &Geometry) -> usize {
+        let of = |instance: &conray_core::Instance| {
+            let mesh = instance.mesh as usize;
+            if self.is_flat(mesh) { geometry.meshes()[mesh].triangles().len() } else { 0 }
+        };
+        geometry.instances().iter().map(of).sum()
     }
 
     fn is_flat(&self, mesh: usize) -> bool {

@@ -130,14 +130,16 @@ impl<'a> Collapse<'a> {
     /// Items of the leaves below a node, in order.
     pub(crate) fn items_below(&self, node: u32, items: &mut Vec<u32>) {
         items.clear();
-        let mut stack = vec![node];
-        while let Some(n) = stack.pop() {
-            let node = &self.binary.nodes[n as usize];
-            if node.is_leaf() {
-                items.extend(self.binary.items(node));
-            } else {
-                stack.extend([node.first_index + 1, node.first_index]);
-            }
+        self.add_items_below(node, items);
+    }
+
+    fn add_items_below(&self, node: u32, items: &mut Vec<u32>) {
+        let node = &self.binary.nodes[node as usize];
+        if node.is_leaf() {
+            items.extend(self.binary.items(node));
+        } else {
+            self.add_items_below(node.first_index, items);
+            self.add_items_below(node.first_index + 1, items);
         }
     }
 }

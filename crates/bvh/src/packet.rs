@@ -61,12 +61,11 @@ impl PlacedTriangle {
 }
 
 impl Packet {
-    /// A packet of one to sixteen triangles; the lanes past the last repeat it.
-    pub(crate) fn new(triangles: &[PlacedTriangle]) -> Self {
+    /// A packet of `count`, one to sixteen, triangles; the lanes past the last repeat it.
+    pub(crate) fn new(count: usize, corners: impl Fn(usize) -> [Vec3; 3]) -> Self {
         let mut packet = Self { corners: [[Lanes::ZERO; 3]; 3] };
         for lane in 0..WIDTH {
-            let triangle = &triangles[lane.min(triangles.len() - 1)];
-            for (corner, position) in packet.corners.iter_mut().zip(triangle.corners) {
+            for (corner, position) in packet.corners.iter_mut().zip(corners(lane.min(count - 1))) {
                 for (axis, lanes) in corner.iter_mut().enumerate() {
                     lanes.0[lane] = position[axis];
                 }

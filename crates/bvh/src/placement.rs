@@ -50,7 +50,6 @@ pub(crate) fn abs_matrix(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::packet::{PlacedTriangle, TriangleId};
     use proptest::prelude::*;
 
     proptest! {
@@ -58,7 +57,7 @@ mod tests {
         fn packets_are_placed_as_single_corners_are(m in prop::array::uniform12(-1e3f32..1e3), p in prop::array::uniform9(-1e3f32..1e3)) {
             let transform = Affine3A::from_cols_array(&m);
             let corners = [0, 1, 2].map(|i| Vec3::from_slice(&p[3 * i..]));
-            let packet = Packet::new(&[PlacedTriangle { corners, id: TriangleId::default() }]);
+            let packet = Packet::new(1, |_| corners);
             let level = fearless_simd::Level::new();
             let placed = fearless_simd::dispatch!(level, simd => world_packet(simd, &transform, &packet));
             for lane in 0..16 {
