@@ -38,7 +38,7 @@ impl BinaryTree {
         let mut nodes = Vec::with_capacity(boxes.len());
         nodes.push(Bvh2Node::default());
         nodes[0] = Builder { group: group as usize }.subtree(&mut nodes, &mut items, &extent, 0, 0);
-        Self { nodes, order: items.iter().map(|item| item.index).collect() }
+        Self { nodes, order: items.iter().map(Item::index).collect() }
     }
 
     /// Items of a leaf.
@@ -55,8 +55,7 @@ fn scaled_items(boxes: &[Bounds]) -> Vec<Item> {
     let (centre, half) = (0.5 * (lo + hi), 0.5 * (hi - lo).max_element());
     let scale = if half > 0.0 { 1.0 / half } else { 0.0 };
     let scaled = |p: Vec3| Vec3A::from(((p.as_dvec3() - centre) * DVec3::splat(scale)).as_vec3());
-    let item =
-        |(index, b): (usize, &Bounds)| Item { lo: scaled(b.min), hi: scaled(b.max), index: index as u32 };
+    let item = |(index, b): (usize, &Bounds)| Item::new(scaled(b.min), scaled(b.max), index as u32);
     boxes.par_iter().enumerate().map(item).collect()
 }
 
