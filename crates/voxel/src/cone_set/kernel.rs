@@ -38,7 +38,9 @@ pub(super) fn march<S: Simd>(
         }
         let finer = &octree.levels[step.level];
         let fine_places = Places::new(simd, &at, step.level, finer.side).stored();
-        let mut slope = look_up(simd, &fine_places, finer, met).in_leaves(simd, step.level);
+        // Where only the coarser filter meets something, the finer one has nothing to read.
+        let met_by_finer = if step.share > 0.0 { fine_places.met_of(finer, met) } else { met };
+        let mut slope = look_up(simd, &fine_places, finer, met_by_finer).in_leaves(simd, step.level);
         if step.share > 0.0 {
             let coarser = look_up(simd, &places.stored(), nodes, met).in_leaves(simd, coarse);
             slope = slope.lerp(simd, coarser, step.share);

@@ -65,6 +65,19 @@ pub(super) struct StoredPlaces {
 }
 
 impl StoredPlaces {
+    /// Those of some filters that meet an occupied node.
+    #[inline(always)]
+    pub(super) fn met_of(&self, nodes: &Level, filters: u32) -> u32 {
+        let (mut met, mut left) = (0, filters & self.inside);
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let place = UVec3::new(self.place[0].0[lane], self.place[1].0[lane], self.place[2].0[lane]);
+            met |= u32::from(!nodes.is_vacant(place.min(UVec3::splat(nodes.side)).as_ivec3())) << lane;
+        }
+        met
+    }
+
     /// What one filter finds, in 65535ths and nodes: `Taps::interpolate`, in the same order.
     #[inline(always)]
     pub(super) fn slope<S: Simd>(&self, simd: S, lane: usize, nodes: &Level) -> Slope {
