@@ -1,6 +1,6 @@
 //! Time of the cones of a point: our sets against as many of Embree's rays, at the points that an image sees.
 //!
-//! `cargo run --release -p conray-bench --bin cones -- cornell atrium PATH... [--voxels 512] [--sweep]`
+//! `cargo run --release -p conray-bench --bin cones -- cornell atrium PATH... [--voxels 512,1024]`
 //!
 //! `bench/fetch-rivals` fetches Embree; without it the program fails, as a comparison with nothing is none. Every surface
 //! is opaque, for cones as for rays. A set's time includes turning its axes to the point's normal; that of the rays leaves

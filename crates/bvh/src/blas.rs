@@ -55,6 +55,7 @@ impl TriangleTree {
     pub(crate) fn memory_bytes(&self) -> u64 {
         let packets = self.packets.capacity() * size_of::<Packet>();
         let ids = self.ids.capacity() * size_of::<PacketIds>();
-        self.tree.memory_bytes() + (packets + ids) as u64
+        let opaque = size_of_val(self.opaque.as_slice());
+        self.tree.memory_bytes() + (packets + ids + opaque) as u64
     }
 }

@@ -20,7 +20,8 @@ fn order(a: &Hit, b: &Hit) -> Ordering {
     a.t.total_cmp(&b.t).then(a.instance.cmp(&b.instance)).then(a.triangle.cmp(&b.triangle))
 }
 
-fn opacity(geometry: &Geometry, hit: &Hit, opaque: bool) -> f32 {
+/// Opacity in [0, 1] where a surface was hit; `opaque` means that no look-up is needed.
+pub(crate) fn opacity(geometry: &Geometry, hit: &Hit, opaque: bool) -> f32 {
     if opaque {
         return 1.0;
     }

@@ -4,7 +4,10 @@
 //! [`cosine_hemisphere`](crate::cosine_hemisphere) but for some roundings: sine and cosine are polynomials, and nothing is
 //! fused, so that every level of SIMD gives the same bits. There are no closures, which would not be compiled for the level.
 
-use crate::{Frame, hash_u32};
+use crate::{
+    Frame, hash_u32,
+    sobol::{SCRAMBLE, SEED_X, SEED_Y},
+};
 use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
 use std::f32::consts::FRAC_PI_4;
 
@@ -18,8 +21,8 @@ pub const LANES: usize = 16;
 pub fn owen_sobol_2d_lanes<S: Simd>(simd: S, first: u32, seed: u32) -> [f32x16<S>; 2] {
     let index: [u32; LANES] = std::array::from_fn(|lane| (first.wrapping_add(lane as u32)).reverse_bits());
     let shuffled = reversed(simd, scrambled(simd, u32x16::simd_from(simd, index), hash_u32(seed)));
-    let x = scrambled(simd, shuffled, hash_u32(seed ^ 0x5167_3e4d));
-    let y = scrambled(simd, butterflies(simd, shuffled), hash_u32(seed ^ 0xa3d8_95b1));
+    let x = scrambled(simd, shuffled, hash_u32(seed ^ SEED_X));
+    let y = scrambled(simd, butterflies(simd, shuffled), hash_u32(seed ^ SEED_Y));
     [unit_floats(simd, reversed(simd, x)), unit_floats(simd, reversed(simd, y))]
 }
 
@@ -72,11 +75,11 @@ fn swapped<S: Simd>(simd: S, x: u32x16<S>, mask: u32, by: u32) -> u32x16<S> {
 #[inline(always)]
 fn scrambled<S: Simd>(simd: S, bits: u32x16<S>, seed: u32) -> u32x16<S> {
     let mut x = bits;
-    x = x ^ times(simd, x, 0x3d20_adea);
+    x = x ^ times(simd, x, SCRAMBLE[0]);
     x += u32x16::splat(simd, seed);
     x = times(simd, x, (seed >> 16) | 1);
-    x = x ^ times(simd, x, 0x0552_6c56);
-    x ^ times(simd, x, 0x53a2_2864)
+    x = x ^ times(simd, x, SCRAMBLE[1]);
+    x ^ times(simd, x, SCRAMBLE[2])
 }
 
 /// Pascal's triangle modulo 2 times the index: see `sobol.rs`; without the reversal at its end.

@@ -6,6 +6,12 @@
 
 use crate::Vec2;
 
+/// Make the two dimensions' scrambles independent.
+pub(crate) const SEED_X: u32 = 0x5167_3e4d;
+pub(crate) const SEED_Y: u32 = 0xa3d8_95b1;
+/// The multipliers of the scrambling hash.
+pub(crate) const SCRAMBLE: [u32; 3] = [0x3d20_adea, 0x0552_6c56, 0x53a2_2864];
+
 /// Full-avalanche hash of 32 bits.
 ///
 /// "lowbias32" by Wellons, "Prospecting for Hash Functions", 2018.
@@ -26,8 +32,8 @@ pub fn owen_sobol_2d(index: u32, seed: u32) -> Vec2 {
     // Shuffling scrambles the index as if it were a fraction: blocks of 2^k aligned indices stay together.
     let shuffled = owen_scramble(index, hash_u32(seed));
     // Dimension 0 of the Sobol sequence is bit reversal, and scrambling works on reversed bits.
-    let x = owen_scramble(shuffled.reverse_bits(), hash_u32(seed ^ 0x5167_3e4d));
-    let y = owen_scramble(sobol_dimension_1(shuffled), hash_u32(seed ^ 0xa3d8_95b1));
+    let x = owen_scramble(shuffled.reverse_bits(), hash_u32(seed ^ SEED_X));
+    let y = owen_scramble(sobol_dimension_1(shuffled), hash_u32(seed ^ SEED_Y));
     Vec2::new(unit_float(x), unit_float(y))
 }
 
@@ -48,11 +54,11 @@ const fn sobol_dimension_1(index: u32) -> u32 {
 #[inline]
 const fn owen_scramble(fraction: u32, seed: u32) -> u32 {
     let mut x = fraction.reverse_bits();
-    x ^= x.wrapping_mul(0x3d20_adea);
+    x ^= x.wrapping_mul(SCRAMBLE[0]);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
+    x ^= x.wrapping_mul(SCRAMBLE[1]);
+    x ^= x.wrapping_mul(SCRAMBLE[2]);
     x.reverse_bits()
 }
 

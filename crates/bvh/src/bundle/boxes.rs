@@ -8,7 +8,7 @@ use fearless_simd::{Simd, f32x16, prelude::*, u16x32};
 
 /// Bound on the rounding of a height over the surface, as a share of the sum of the absolute products: three differences,
 /// products and sums for the box, as many for a direction that barely leads above. 8 u.
-const ROUNDING: f32 = 8.0 / 16_777_216.0;
+pub(super) const HEIGHT_ROUNDING: f32 = 8.0 / 16_777_216.0;
 
 /// Work of one ray against the boxes of a node, and of one box against a group of rays, in vector instructions.
 const RAY_WORK: u32 = 12;
@@ -19,7 +19,7 @@ pub(super) struct NearBoxes {
     /// By axis: lowest and highest planes.
     planes: [[Lanes; 2]; 3],
     /// Squared distance of each box from the origin.
-    pub(super) distance: Lanes,
+    distance: Lanes,
     /// Children that some ray may reach: within the AO distance and not wholly below the surface.
     pub(super) reachable: u32,
 }
@@ -41,7 +41,7 @@ impl NearBoxes {
         let z = axis_part(simd, node, rays, 2);
         let distance = z.gap.mul_add(z.gap, y.gap.mul_add(y.gap, x.gap * x.gap));
         let rounding = x.rounding + y.rounding + z.rounding;
-        let height = x.height + y.height + z.height + rounding * f32x16::splat(simd, ROUNDING);
+        let height = x.height + y.height + z.height + rounding * f32x16::splat(simd, HEIGHT_ROUNDING);
         let near = bits(distance.simd_le(f32x16::splat(simd, rays.farthest_squared)));
         // Not "at or above": an unused slot is infinite, and its height may be no number.
         let below = bits(height.simd_lt(f32x16::splat(simd, 0.0)));

@@ -5,8 +5,10 @@ use super::triangles::{Decided, HalfSpaces};
 use super::walk::Leaves;
 use super::{Met, rays::Rays};
 use crate::blas::TriangleTree;
+use crate::hits::opacity;
 use crate::packet::{Packet, PacketIds};
 use crate::placement::world_packet;
+use crate::query::Hit;
 use crate::ray::PreparedRay;
 use crate::top::Placed;
 use crate::triangle::crossing;
@@ -86,6 +88,7 @@ impl Leaf<'_> {
                     touched |= u64::from(open) << ray;
                 }
             }
+            // Few: tested again here rather than kept for all.
             while touched != 0 {
                 let ray = touched.trailing_zeros() as usize & 63;
                 touched &= touched - 1;
@@ -142,13 +145,9 @@ impl Leaf<'_> {
             return;
         }
         let id = &self.ids[triangle];
-        let opacity = if id.is_opaque() {
-            1.0
-        } else {
-            let instance = self.instance.unwrap_or(id.instance) as usize;
-            let mesh = self.geometry.instances()[instance].mesh as usize;
-            self.geometry.opacity_at(mesh, id.triangle() as usize, crossing.u, crossing.v)
-        };
+        let instance = self.instance.unwrap_or(id.instance);
+        let hit = Hit { t: crossing.t, instance, triangle: id.triangle(), u: crossing.u, v: crossing.v };
+        let opacity = opacity(self.geometry, &hit, id.is_opaque());
         if opacity >= 1.0 {
             met.blocked |= 1 << ray;
         } else if opacity > 0.0 {

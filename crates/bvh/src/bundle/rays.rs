@@ -114,7 +114,7 @@ impl BoxRays {
         let mut inverse = [[Lanes::ZERO; 3]; GROUPS];
         let mut negative = [0; 3];
         let least = f32x16::splat(simd, LEAST_COMPONENT);
-        for (group, direction) in directions.iter().enumerate().take(GROUPS) {
+        for (group, direction) in directions.iter().enumerate() {
             for axis in 0..3 {
                 let d = direction[axis].load(simd);
                 let kept = d.abs().simd_lt(least).select(least.copysign(d), d);

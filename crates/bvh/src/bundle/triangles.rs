@@ -15,6 +15,7 @@
 //! Distances are compared with the exact test's, which starts from unrounded corners: the sum of the values errs by
 //! 3 (16 + 7) u m^2, for which three margins are taken, the volume by 48 u m^3.
 
+use super::boxes::HEIGHT_ROUNDING;
 use super::directions::GROUPS;
 use super::rays::Rays;
 use crate::lanes::{Lanes, WIDTH, bits};
@@ -27,10 +28,6 @@ const MARGIN: f32 = 64.0 / 16_777_216.0;
 
 /// Least margin, far above what underflow can lose (`rays.rs` holds lengths between 1e-9 and 1e9).
 const LEAST_MARGIN: f32 = 1e-30;
-
-/// Bound on the rounding of a corner's height over the surface, as a share of its largest coordinate times the sum of the
-/// normal's: as for boxes, 8 u.
-const HEIGHT_ROUNDING: f32 = 8.0 / 16_777_216.0;
 
 /// A packet as half-spaces.
 pub(super) struct HalfSpaces {
@@ -67,6 +64,7 @@ impl HalfSpaces {
         let size = largest(&a).max(largest(&b)).max(largest(&c));
         let normal = rays.boxes.normal;
         let height = height(simd, &a, normal).max(height(simd, &b, normal)).max(height(simd, &c, normal));
+        // The bound of boxes, with the largest coordinate in place of each.
         let rounding = f32x16::splat(simd, -HEIGHT_ROUNDING * normal.abs().element_sum()) * size;
         let possible = !bits(height.simd_lt(rounding)) & used;
 
@@ -79,7 +77,7 @@ impl HalfSpaces {
         let margin = (size * size * f32x16::splat(simd, MARGIN)).max(f32x16::splat(simd, LEAST_MARGIN));
         let of_volume = margin * size.max(f32x16::splat(simd, 1e-10));
         // Finite, so that it times zero is a number; t itself is compared with some ulps to spare.
-        let t_max = (rays.t_max).min(f32::MAX);
+        let t_max = rays.t_max.min(f32::MAX);
         Self {
             normals: [stored(&n0), stored(&n1), stored(&n2)],
             volume: Lanes::of(volume),
