@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// Children of a node, triangles of a packet, rays of a group.
-pub(crate) const WIDTH: usize = 16;
+pub(crate) const WIDTH: usize = conray_core::LANES;
 
 /// Sixteen values, a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]

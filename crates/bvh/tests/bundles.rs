@@ -2,11 +2,10 @@
 
 mod common;
 
-use common::levels::levels;
 use common::shapes::{ceiling, icosphere, mesh, quad, soup, sphere};
 use common::{Random, Scene};
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
-use conray_core::{Affine3A, Opacity, Ray, Vec3};
+use conray_core::{Affine3A, Opacity, Ray, Vec3, simd_levels};
 
 /// Compares bundles of all sizes; returns how many rays were blocked.
 fn check(bvh: &Bvh, normal: Vec3, origin: Vec3, directions: &[Vec3], t_max: f32) -> usize {
@@ -17,7 +16,7 @@ fn check(bvh: &Bvh, normal: Vec3, origin: Vec3, directions: &[Vec3], t_max: f32)
     let expected: Vec<f32> = directions.iter().map(single).collect();
     let mut bundle = Directions::new();
     bundle.extend(directions.iter().copied());
-    for level in levels() {
+    for level in simd_levels() {
         let mut found = vec![f32::NAN; directions.len()];
         bvh.clone().at_level(level).transmittances(origin, normal, &bundle, t_max, &mut found);
         let wrong = (0..found.len()).find(|&i| found[i].to_bits() != expected[i].to_bits());

@@ -2,11 +2,10 @@
 
 mod common;
 
-use common::levels::levels;
 use common::shapes::{mesh, soup, sphere};
 use common::{Random, Scene};
 use conray_bvh::Bvh;
-use conray_core::{Affine3A, Falloff, Opacity, Quat, Ray, Vec3};
+use conray_core::{Affine3A, Falloff, Opacity, Quat, Ray, Vec3, simd_levels};
 
 /// All that single rays can be asked, as bits.
 fn answers(bvh: &Bvh, ray: &Ray) -> [u32; 8] {
@@ -62,7 +61,7 @@ fn random_rays_everywhere() {
         let expected: Vec<_> = rays.iter().map(|ray| answers(&bvh, ray)).collect();
         let hits = expected.iter().filter(|a| a[7] != u32::MAX).count();
         assert!(hits > 40, "{scale}: {hits} hits test little");
-        for level in levels() {
+        for level in simd_levels() {
             let bvh = bvh.clone().at_level(level);
             for (ray, expected) in rays.iter().zip(&expected) {
                 assert_eq!(answers(&bvh, ray), *expected, "{level:?} {ray:?}");
@@ -78,7 +77,7 @@ fn nonsense_is_nonsense_at_every_level() {
     let flat = Scene::default().with(mesh(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])).bvh();
     let odd = [Vec3::NAN, Vec3::INFINITY, Vec3::ZERO, Vec3::new(f32::NAN, 1.0, 0.0), Vec3::splat(f32::MAX)];
     for bvh in [&bvh, &flat, &Scene::default().bvh()] {
-        for level in levels() {
+        for level in simd_levels() {
             let here = bvh.clone().at_level(level);
             for (i, &a) in odd.iter().enumerate() {
                 for t_max in [1.0, 0.0, -1.0, f32::NAN, f32::INFINITY] {

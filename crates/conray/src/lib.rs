@@ -39,8 +39,8 @@ pub use conray_core::{
     Vec2, Vec3, View, Wrap,
 };
 pub use conray_estimate::{
-    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, Control, CpuBackend,
-    Distance, Level, Method, Sampling, SettingsError, limits, merge, view_cones,
+    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, ConeViews, Control,
+    CpuBackend, Distance, Level, Method, Sampling, SettingsError, limits, merge,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

@@ -4,22 +4,8 @@ use conray::{
     AoSettings, Backend, Control, CpuBackend, Estimate, Falloff, Level, Method, Sampling, Session,
     SurfacePoint, scene, target::Target,
 };
+use conray_core::simd_levels;
 use std::sync::Arc;
-
-/// Every level that this processor has, the slowest first.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    #[allow(unused_mut, reason = "only some processors have more")]
-    let mut levels = vec![Level::baseline()];
-    #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-        levels.extend(best.as_avx2().map(Level::Avx2));
-        levels.extend(best.as_avx512().map(Level::Avx512));
-    }
-    levels.push(best);
-    levels
-}
 
 fn bits(estimates: &[Estimate]) -> Vec<[u32; 6]> {
     let of = |e: &Estimate| {
@@ -55,7 +41,7 @@ fn methods_agree_at_every_level() {
             let expected = bits(&estimates(&session, &points, Level::baseline()));
             let some = |e: &[u32; 6]| (0.05..0.95).contains(&f32::from_bits(e[0]));
             assert!(expected.iter().filter(|e| some(e)).count() > 10, "{method}: all alike tests little");
-            for level in levels() {
+            for level in simd_levels() {
                 let found = bits(&estimates(&session, &points, level));
                 assert!(found == expected, "{method}, {falloff:?}, {sampling:?} at {level:?}");
             }

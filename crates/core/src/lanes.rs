@@ -8,11 +8,25 @@ use crate::{
     Frame, hash_u32,
     sobol::{SCRAMBLE, SEED_X, SEED_Y},
 };
-use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
+use fearless_simd::{Level, Select, Simd, f32x16, prelude::*, u32x16};
 use std::f32::consts::FRAC_PI_4;
 
 /// How many samples.
 pub const LANES: usize = 16;
+
+/// Every level of SIMD that this processor has, the slowest first: what tests of kernels run through.
+pub fn simd_levels() -> Vec<Level> {
+    let mut levels = vec![Level::baseline()];
+    let best = Level::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+        levels.extend(best.as_avx2().map(Level::Avx2));
+        levels.extend(best.as_avx512().map(Level::Avx512));
+    }
+    levels.push(best);
+    levels
+}
 
 /// Points `first` to `first + 15` of the sequence `seed`, x and y in [0, 1).
 ///
@@ -124,7 +138,7 @@ fn sin_cos_of_eighth<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S
 mod tests {
     use super::*;
     use crate::{Vec3, cosine_hemisphere, owen_sobol_2d};
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::dispatch;
 
     type Sixteen = ([[f32; 16]; 2], [[f32; 16]; 3]);
 
@@ -152,7 +166,9 @@ mod tests {
                     let direction = frame.to_world(cosine_hemisphere(expected));
                     worst = worst.max((found - direction).length());
                 }
-                assert_eq!(at(Level::baseline(), first, seed, &frame), (square, world), "levels differ");
+                for level in simd_levels() {
+                    assert_eq!(at(level, first, seed, &frame), (square, world), "{level:?}");
+                }
             }
         }
         // Near the horizon the root magnifies the roundings of x and y: z^2 errs by some 4e-7.

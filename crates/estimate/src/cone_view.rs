@@ -25,15 +25,25 @@ pub struct ConeView<'a> {
     pub rays: u32,
 }
 
-/// Marches the cones of a point, in the plan's order.
-pub fn view_cones<'a>(
+/// Looks at the cones of points, one after the other.
+pub struct ConeViews<'a> {
     plan: &'a AoPlan,
-    octree: &'a Octree,
-    point: &SurfacePoint,
-) -> impl Iterator<Item = ConeView<'a>> {
-    Marches::new(plan, octree, Level::new()).at(point).map(|(cone, axis, result)| {
-        let alpha = cone_share(result.error, plan);
-        let rays = ray_count(alpha, plan.max_rays);
-        ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }
-    })
+    marches: Marches<'a>,
+}
+
+impl<'a> ConeViews<'a> {
+    /// Prepares the plan's cones once for all points.
+    pub fn new(plan: &'a AoPlan, octree: &'a Octree) -> Self {
+        Self { plan, marches: Marches::new(plan, octree, Level::new()) }
+    }
+
+    /// Marches the cones of a point, in the plan's order.
+    pub fn at(&self, point: &SurfacePoint) -> impl Iterator<Item = ConeView<'a>> + use<'a> {
+        let plan = self.plan;
+        self.marches.at(point).map(move |(cone, axis, result)| {
+            let alpha = cone_share(result.error, plan);
+            let rays = ray_count(alpha, plan.max_rays);
+            ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }
+        })
+    }
 }

@@ -16,7 +16,7 @@ mod plan;
 mod settings;
 
 pub use backend::{Backend, BackendError, Control, merge};
-pub use cone_view::{ConeView, view_cones};
+pub use cone_view::{ConeView, ConeViews};
 pub use conray_bvh::Level;
 pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};

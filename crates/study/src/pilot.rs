@@ -6,7 +6,7 @@
 mod features;
 
 use crate::{Case, StudyError};
-use conray::{AoSettings, Method, Ray, SurfacePoint, Vec3, view_cones};
+use conray::{AoSettings, ConeViews, Method, Ray, SurfacePoint, Vec3};
 use conray_core::{Cone, Frame, hash_u32, owen_sobol_2d};
 pub(crate) use features::OccluderFacts;
 use features::Occluders;
@@ -89,13 +89,15 @@ pub(crate) fn trace_points(case: &Case, picked: &[usize]) -> Result<Vec<PilotPoi
     let octree = case.session.octree().ok_or_else(|| {
         StudyError::Request("the study's session has no octree; build it for method paper".into())
     })?;
+    let views = ConeViews::new(&plan, octree);
     Ok(case.session.install(|| {
         picked
             .par_iter()
             .map(|&index| {
                 let point = &case.points()[index];
                 let frame = Frame::from_normal(point.shading_normal);
-                let cones = view_cones(&plan, octree, point)
+                let cones = views
+                    .at(point)
                     .enumerate()
                     .map(|(number, view)| {
                         let rays =

@@ -2,23 +2,9 @@
 
 mod common;
 
-use common::{Soup, random, turn};
-use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, Vec3};
-use conray_voxel::{ConeQuery, ConeResult, Density, MarchOptions, Octree, OctreeOptions, SimdLevel};
-
-/// Every level that this processor has.
-fn levels() -> Vec<SimdLevel> {
-    let best = SimdLevel::new();
-    #[allow(unused_mut, reason = "other processors have fewer levels")]
-    let mut levels = vec![best, SimdLevel::baseline()];
-    #[cfg(target_arch = "x86_64")]
-    {
-        levels.extend(best.as_sse4_2().map(SimdLevel::Sse4_2));
-        levels.extend(best.as_avx2().map(SimdLevel::Avx2));
-        levels.extend(best.as_avx512().map(SimdLevel::Avx512));
-    }
-    levels
-}
+use common::{Soup, random, still_life, turn};
+use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, Vec3, simd_levels};
+use conray_voxel::{ConeQuery, ConeResult, Density, MarchOptions, Octree, OctreeOptions};
 
 /// What is asked of all cones of a point.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +56,7 @@ fn bits(results: &[ConeResult]) -> Vec<(u32, u32)> {
 /// Compares all levels; returns how many cones met something and how many nothing.
 fn check(octree: &Octree, settings: &Settings, points: &[Point]) -> (usize, usize) {
     let cones = HemisphereCones::new(settings.set);
-    let marches: Vec<_> = levels()
+    let marches: Vec<_> = simd_levels()
         .into_iter()
         .map(|level| {
             let march = octree.cone_march(&cones, settings.distance, settings.falloff, &settings.options);
@@ -94,13 +80,7 @@ fn check(octree: &Octree, settings: &Settings, points: &[Point]) -> (usize, usiz
 
 /// Boxes and a ball on a floor; points on the floor, in the air and outside.
 fn scene() -> (Soup, Vec<Point>) {
-    let mut soup = Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0);
-    for k in 0..12 {
-        let at = |n: u32| random(7 * k + n);
-        let centre = Vec3::new(1.4 * at(0) - 0.7, 1.4 * at(1) - 0.7, 0.3 * at(2));
-        soup = soup.cuboid(centre, Vec3::new(at(3), at(4), at(5)) * 0.12 + 0.03, turn(k));
-    }
-    soup = soup.ball(Vec3::new(0.0, 0.0, 0.15), 0.15, 8);
+    let soup = still_life();
     let point = |i: u32| {
         let place = Vec3::new(random(5 * i + 900), random(5 * i + 901), random(5 * i + 902));
         match i % 4 {

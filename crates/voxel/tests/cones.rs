@@ -147,13 +147,7 @@ fn ceilings_count_within_the_distance_only_and_by_their_opacity() {
 
 /// Boxes and balls on a floor, and points on the floor.
 fn still_life() -> (Soup, Vec<Ask>) {
-    let mut soup = Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0);
-    for k in 0..12 {
-        let at = |n: u32| random(7 * k + n);
-        let centre = Vec3::new(1.4 * at(0) - 0.7, 1.4 * at(1) - 0.7, 0.3 * at(2));
-        soup = soup.cuboid(centre, Vec3::new(at(3), at(4), at(5)) * 0.12 + 0.03, turn(k));
-    }
-    soup = soup.ball(Vec3::new(0.0, 0.0, 0.15), 0.15, 8);
+    let soup = common::still_life();
     let ask = |i: u32| Ask {
         position: Vec3::new(random(2 * i + 900) - 0.5, random(2 * i + 901) - 0.5, 0.0),
         normal: Vec3::Z,

@@ -2,7 +2,6 @@
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
 pub(crate) mod brute;
-pub(crate) mod levels;
 pub(crate) mod obj;
 pub(crate) mod shapes;
 

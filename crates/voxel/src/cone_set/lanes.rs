@@ -3,7 +3,7 @@
 use conray_core::{Cone, Frame, Vec3};
 
 /// Cones side by side.
-pub(super) const LANES: usize = 16;
+pub(super) use conray_core::LANES;
 
 /// Sixteen values side by side.
 #[derive(Clone, Copy, Debug)]

@@ -170,3 +170,14 @@ pub(crate) fn root_mean_square(errors: impl IntoIterator<Item = f32>) -> f32 {
     assert!(count > 0, "no case was tried");
     (sum / f64::from(count)).sqrt() as f32
 }
+
+/// Boxes and a ball on a floor.
+pub(crate) fn still_life() -> Soup {
+    let mut soup = Soup::default().square(Vec3::ZERO, Vec3::Z, 1.0);
+    for k in 0..12 {
+        let at = |n: u32| random(7 * k + n);
+        let centre = Vec3::new(1.4 * at(0) - 0.7, 1.4 * at(1) - 0.7, 0.3 * at(2));
+        soup = soup.cuboid(centre, Vec3::new(at(3), at(4), at(5)) * 0.12 + 0.03, turn(k));
+    }
+    soup.ball(Vec3::new(0.0, 0.0, 0.15), 0.15, 8)
+}

@@ -1,7 +1,7 @@
 //! What the published blend does at every point: where it trusts cones.
 
 use crate::{Case, StudyError};
-use conray::{AoSettings, Method, view_cones};
+use conray::{AoSettings, ConeViews, Method};
 use rayon::prelude::*;
 
 /// The blend at one point, summed over its cones.
@@ -19,8 +19,9 @@ pub(super) struct Blend {
 pub(super) fn map(case: &Case) -> Result<Vec<Blend>, StudyError> {
     let plan = case.session.plan_for(&AoSettings { method: Method::Paper, ..case.settings.clone() })?;
     let Some(octree) = case.session.octree() else { return Ok(Vec::new()) };
+    let views = ConeViews::new(&plan, octree);
     let blend = |point| {
-        view_cones(&plan, octree, point).fold(Blend::default(), |sum, view| {
+        views.at(point).fold(Blend::default(), |sum, view| {
             let alpha = if view.rays > 0 { view.alpha } else { 1.0 };
             Blend {
                 by_cones: sum.by_cones + view.cone.weight * alpha * view.visibility,
