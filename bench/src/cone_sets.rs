@@ -7,7 +7,10 @@ use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
 /// Points of a tile: some tenths of a millisecond.
 const TILE_POINTS: usize = 16;
 
-/// The set of 16 cones, prepared for an octree.
+/// Cones of the largest set.
+const MOST_CONES: usize = 25;
+
+/// A set of cones, prepared for an octree.
 pub struct ConeSets<'a> {
     march: ConeMarch<'a>,
     cones: HemisphereCones,
@@ -15,8 +18,8 @@ pub struct ConeSets<'a> {
 
 impl<'a> ConeSets<'a> {
     /// Cones of that length in world units.
-    pub fn new(octree: &'a Octree, distance: f32) -> Self {
-        let cones = HemisphereCones::new(ConeSet::Sixteen);
+    pub fn new(octree: &'a Octree, set: ConeSet, distance: f32) -> Self {
+        let cones = HemisphereCones::new(set);
         let march = octree.cone_march(&cones, distance, Falloff::None, &MarchOptions::default());
         Self { march, cones }
     }
@@ -24,9 +27,10 @@ impl<'a> ConeSets<'a> {
     /// Visibility of a point by all cones of the set.
     pub fn visibility(&self, point: &SurfacePoint) -> f32 {
         let frame = Frame::from_normal(point.geometric_normal);
-        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; 16];
-        self.march.march(point.position, point.geometric_normal, &frame, &mut results);
-        self.cones.cones().iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
+        let cones = self.cones.cones();
+        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; MOST_CONES];
+        self.march.march(point.position, point.geometric_normal, &frame, &mut results[..cones.len()]);
+        cones.iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
     }
 
     /// Seconds for the sets of all points on all threads, and their mean visibility.

@@ -9,12 +9,13 @@
 use clap::Parser;
 use conray::{AoSettings, Distance, SurfacePoint, Vec3};
 use conray_bench::{
+    cone_sets::ConeSets,
     embree::{Device, Embree, Ray1, SceneFlags},
     hemispheres::{CHUNK, Directions, Hemispheres, Order},
     judged,
 };
 use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, Ray};
-use conray_voxel::{ConeMarch, ConeQuery, ConeResult, MarchOptions, Octree, OctreeOptions};
+use conray_voxel::{ConeQuery, Octree, OctreeOptions};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -46,7 +47,7 @@ type Kernel<'a> = (&'static str, Box<dyn Fn(&[SurfacePoint], &[Vec3]) -> f64 + S
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
     let device = Device::new("")?;
-    let cones = HemisphereCones::new(ConeSet::from_count(args.cones).ok_or("6, 9, 16 or 25 cones")?);
+    let set = ConeSet::from_count(args.cones).ok_or("6, 9, 16 or 25 cones")?;
     println!("{} threads, {:?}", rayon::current_num_threads(), conray_voxel::SimdLevel::new());
     for name in &args.scenes {
         let settings = AoSettings { distance: args.distance, ..AoSettings::default() };
@@ -62,17 +63,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for &resolution in &args.voxels {
             let options = OctreeOptions { resolution, ..OctreeOptions::default() };
             let octree = Octree::build(scene.session.geometry(), &options)?;
-            compare(&args, &scene, &octree, &cones, &embree);
+            compare(&args, &scene, &octree, set, &embree);
         }
     }
     Ok(())
 }
 
 /// Times all kernels in turns and prints a row for each.
-fn compare(args: &Args, scene: &Hemispheres, octree: &Octree, cones: &HemisphereCones, embree: &Embree) {
+fn compare(args: &Args, scene: &Hemispheres, octree: &Octree, set: ConeSet, embree: &Embree) {
+    let cones = &HemisphereCones::new(set);
     let distance = scene.distance;
     let half_angle_rad = cones.half_angle_rad();
-    let march = octree.cone_march(cones, distance, Falloff::None, &MarchOptions::default());
+    let sets = ConeSets::new(octree, set, distance);
     let kernels: Vec<Kernel<'_>> = vec![
         (
             "Embree, rays one by one",
@@ -91,7 +93,7 @@ fn compare(args: &Args, scene: &Hemispheres, octree: &Octree, cones: &Hemisphere
         (
             "conray, set of cones",
             Box::new(|points, directions| {
-                each(points, directions, args.cones, |point, _| set(&march, cones, point))
+                each(points, directions, args.cones, |point, _| sets.visibility(point))
             }),
         ),
         (
@@ -165,15 +167,6 @@ fn each(
             pairs.map(|(point, directions)| f64::from(visibility(point, directions))).sum::<f64>()
         })
         .sum()
-}
-
-fn set(march: &ConeMarch<'_>, cones: &HemisphereCones, point: &SurfacePoint) -> f32 {
-    let frame = Frame::from_normal(point.geometric_normal);
-    let cones = cones.cones();
-    let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; 25];
-    let results = &mut results[..cones.len()];
-    march.march(point.position, point.geometric_normal, &frame, results);
-    cones.iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
 }
 
 fn singly(

@@ -6,7 +6,7 @@
 //! `bench/fetch-rivals embree` fetches the rival. Fails where kernels do not agree; a missed measure is said, not failed.
 
 use clap::Parser;
-use conray::Distance;
+use conray::{ConeSet, Distance};
 use conray_bench::{
     agreement,
     cone_sets::ConeSets,
@@ -141,7 +141,8 @@ impl Run {
         let scene = contest.scene();
         let options = OctreeOptions { resolution: 512, ..OctreeOptions::default() };
         let octree = Octree::build(scene.session.geometry(), &options)?;
-        let (seconds, visibility) = ConeSets::new(&octree, scene.distance).time(&scene.points, self.rounds);
+        let (seconds, visibility) =
+            ConeSets::new(&octree, ConeSet::Sixteen, scene.distance).time(&scene.points, self.rounds);
         let mrays = contest.single_mrays(16, self.rounds);
         let set_us = seconds / scene.points.len() as f64 * 1e6;
         self.measures.push(Measure {

@@ -11,7 +11,7 @@ use crate::{
     octree_build::OctreeBuild,
     race,
 };
-use conray::{AoSettings, Distance};
+use conray::{AoSettings, ConeSet, Distance};
 use conray_bvh::Bvh;
 use conray_voxel::{Octree, OctreeOptions};
 use std::{error::Error, sync::Arc, time::Instant};
@@ -64,7 +64,8 @@ impl ScaleOptions {
 
     /// Microseconds of all threads for the 16 cones of a point.
     fn cones_us(&self, scene: &Hemispheres, octree: &Octree) -> f64 {
-        let (seconds, _) = ConeSets::new(octree, scene.distance).time(&scene.points, self.rounds);
+        let (seconds, _) =
+            ConeSets::new(octree, ConeSet::Sixteen, scene.distance).time(&scene.points, self.rounds);
         seconds / scene.points.len() as f64 * 1e6
     }
 
