@@ -1,6 +1,7 @@
 //! Cones over the hemisphere: partitions into cells of equal cosine weight, and the usual six.
 
-use crate::{Vec2, Vec3, cosine_hemisphere, square_from_disc, uniform_cone};
+use crate::{LANES, Vec2, Vec3, cosine_hemisphere, cosine_hemisphere_lanes, square_from_disc, uniform_cone};
+use fearless_simd::{Simd, f32x16, prelude::*};
 use std::f32::consts::{FRAC_PI_3, FRAC_PI_6, TAU};
 use std::fmt;
 
@@ -79,6 +80,30 @@ impl Cone {
             Region::Cell(low, edge) => cosine_hemisphere(low + u * edge),
             Region::Cap => uniform_cone(u, self.axis, self.half_angle_rad),
         }
+    }
+
+    /// [`Cone::sample`] for sixteen points of the square; in cells but for the roundings of
+    /// [`cosine_hemisphere_lanes`](crate::cosine_hemisphere_lanes), in caps one after the other.
+    #[inline(always)]
+    pub fn sample_lanes<S: Simd>(&self, simd: S, [u, v]: [f32x16<S>; 2]) -> [f32x16<S>; 3] {
+        match self.region {
+            Region::Cell(low, edge) => {
+                let edge = f32x16::splat(simd, edge);
+                let (x, y) = (f32x16::splat(simd, low.x) + u * edge, f32x16::splat(simd, low.y) + v * edge);
+                cosine_hemisphere_lanes(simd, [x, y])
+            }
+            Region::Cap => self.sample_cap_lanes(simd, u.into(), v.into()),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_cap_lanes<S: Simd>(&self, simd: S, u: [f32; LANES], v: [f32; LANES]) -> [f32x16<S>; 3] {
+        let mut axes = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let direction = uniform_cone(Vec2::new(u[lane], v[lane]), self.axis, self.half_angle_rad);
+            (axes[0][lane], axes[1][lane], axes[2][lane]) = direction.into();
+        }
+        [f32x16::simd_from(simd, axes[0]), f32x16::simd_from(simd, axes[1]), f32x16::simd_from(simd, axes[2])]
     }
 }
 
@@ -171,6 +196,30 @@ mod tests {
             for c in cones.cones() {
                 assert!((c.axis.length() - 1.0).abs() < 1e-5 && c.axis.z > 0.1);
                 assert!(c.half_angle_rad > 0.0 && c.half_angle_rad < std::f32::consts::FRAC_PI_2);
+            }
+        }
+    }
+
+    #[test]
+    fn sixteen_samples_at_once_are_those_one_by_one() {
+        #[inline(always)]
+        fn sampled<S: Simd>(simd: S, cone: &Cone, u: [f32; LANES], v: [f32; LANES]) -> [[f32; LANES]; 3] {
+            cone.sample_lanes(simd, [f32x16::simd_from(simd, u), f32x16::simd_from(simd, v)]).map(Into::into)
+        }
+        let points: [Vec2; LANES] = std::array::from_fn(|i| owen_sobol_2d(i as u32, 9));
+        let (u, v) = (points.map(|p| p.x), points.map(|p| p.y));
+        for set in ConeSet::ALL {
+            for cone in HemisphereCones::new(set).cones() {
+                let expected = points.map(|p| cone.sample(p));
+                for level in crate::simd_levels() {
+                    let found = fearless_simd::dispatch!(level, simd => sampled(simd, cone, u, v));
+                    for lane in 0..LANES {
+                        let direction = Vec3::new(found[0][lane], found[1][lane], found[2][lane]);
+                        // Near the horizon the root magnifies roundings.
+                        let error = direction.distance(expected[lane]);
+                        assert!(error < 1e-3, "{set} at {level:?}: {direction} {}", expected[lane]);
+                    }
+                }
             }
         }
     }

@@ -6,6 +6,7 @@ mod paper;
 mod point_rays;
 mod quarters;
 mod rays;
+mod squares;
 #[cfg(test)]
 mod tests;
 

@@ -10,8 +10,11 @@ use super::{
 };
 use crate::AoPlan;
 use conray_bvh::Bvh;
-use conray_core::{Cone, ConeEstimate, Estimate, SurfacePoint, Vec3, hash_u32, owen_sobol_2d};
+use conray_core::{
+    Cone, ConeEstimate, Estimate, Frame, LANES, SurfacePoint, Vec3, hash_u32, owen_sobol_2d_lanes,
+};
 use conray_voxel::ConeResult;
+use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
 /// The published blend of cones and rays.
@@ -59,13 +62,25 @@ impl Paper<'_> {
         for (index, (cone, _, result)) in marched.iter().enumerate() {
             let per_frame = ray_count(cone_share(result.error, self.plan), self.plan.max_rays);
             let cone_seed = hash_u32(seed.wrapping_add(index as u32));
-            for sample in self.frames.start * per_frame..self.frames.end * per_frame {
-                queue.push(cone.sample(owen_sobol_2d(sample, cone_seed)), index, &mut tallies);
+            let samples = self.frames.start * per_frame..self.frames.end * per_frame;
+            for first in samples.clone().step_by(LANES) {
+                let count = LANES.min((samples.end - first) as usize);
+                let level = self.bvh.level();
+                let world = dispatch!(level, simd => sixteen(simd, cone, first, cone_seed, &rays.frame));
+                queue.push(&world, count, index, &mut tallies);
             }
         }
         queue.trace(&mut tallies);
         tallies
     }
+}
+
+/// Sixteen directions of a cone's sequence, in world space.
+#[inline(always)]
+fn sixteen<S: Simd>(simd: S, cone: &Cone, first: u32, seed: u32, frame: &Frame) -> [[f32; LANES]; 3] {
+    let local = cone.sample_lanes(simd, owen_sobol_2d_lanes(simd, first, seed));
+    let [x, y, z] = frame.to_world_lanes(simd, local);
+    [x.into(), y.into(), z.into()]
 }
 
 /// Equation 1: the cone's share in the blend, 1 up to the threshold.

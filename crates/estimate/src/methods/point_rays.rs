@@ -2,7 +2,7 @@
 
 use crate::AoPlan;
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
-use conray_core::{Falloff, Frame, Ray, SurfacePoint, Vec3};
+use conray_core::{Falloff, Frame, LANES, Ray, SurfacePoint, Vec3};
 
 /// All that the rays of a point share.
 pub(crate) struct PointRays<'a> {
@@ -70,13 +70,22 @@ impl<'a> RayQueue<'a> {
         Self { rays, directions: Directions::new(), owners: [0; BUNDLE_RAYS] }
     }
 
-    /// Adds a ray, its direction given about the shading normal, for one of the tallies.
+    /// Adds the first `count` of sixteen directions, axis by axis in world space, for one of the tallies.
     #[inline]
-    pub(crate) fn push(&mut self, local: Vec3, owner: usize, tallies: &mut [Tally]) {
-        self.owners[self.directions.len()] = owner as u16;
-        self.directions.push(self.rays.frame.to_world(local));
-        if self.directions.len() == BUNDLE_RAYS {
-            self.trace(tallies);
+    pub(crate) fn push(
+        &mut self,
+        world: &[[f32; LANES]; 3],
+        count: usize,
+        owner: usize,
+        tallies: &mut [Tally],
+    ) {
+        let [x, y, z] = world;
+        for lane in 0..count {
+            self.owners[self.directions.len()] = owner as u16;
+            self.directions.push(Vec3::new(x[lane], y[lane], z[lane]));
+            if self.directions.len() == BUNDLE_RAYS {
+                self.trace(tallies);
+            }
         }
     }
 

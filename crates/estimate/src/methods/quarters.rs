@@ -1,8 +1,8 @@
 //! Samples sorted into bundles by the quarter of the square that they lie in.
 
-use super::rays::Sixteen;
+use super::squares::Sixteen;
 use conray_bvh::{BUNDLE_RAYS, Directions};
-use conray_core::{LANES, Vec3};
+use conray_core::Vec3;
 
 /// A bundle for each quarter of the unit square, which the cosine-weighted map takes to a quarter of the hemisphere.
 pub(super) struct Quarters {
@@ -14,10 +14,10 @@ impl Quarters {
         Self { bundles: std::array::from_fn(|_| Directions::new()) }
     }
 
-    /// Adds the first `count` of sixteen samples (all, where it is more); `trace` gets each bundle that is full, to empty it.
+    /// Adds the first `count` of sixteen samples; `trace` gets each bundle that is full, to empty it.
     pub(super) fn push(&mut self, sixteen: &Sixteen, count: usize, mut trace: impl FnMut(&mut Directions)) {
         let Sixteen { square: [u, v], world: [x, y, z] } = sixteen;
-        for lane in 0..LANES.min(count) {
+        for lane in 0..count {
             let quarter = usize::from(u[lane] >= 0.5) | usize::from(v[lane] >= 0.5) << 1;
             let bundle = &mut self.bundles[quarter];
             bundle.push(Vec3::new(x[lane], y[lane], z[lane]));

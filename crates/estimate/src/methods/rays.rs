@@ -2,13 +2,10 @@
 
 use super::point_rays::{PointRays, Tally};
 use super::quarters::Quarters;
-use crate::{AoPlan, Sampling};
+use super::squares::Squares;
+use crate::AoPlan;
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
-use conray_core::{
-    Estimate, Frame, JitteredPoints, LANES, RandomPoints, SurfacePoint, Vec2, cosine_hemisphere,
-    cosine_hemisphere_lanes, hash_u32, owen_sobol_2d_lanes,
-};
-use fearless_simd::{Simd, dispatch};
+use conray_core::{Estimate, LANES, SurfacePoint, hash_u32};
 use std::ops::Range;
 
 /// The unbiased estimate by rays alone.
@@ -22,20 +19,9 @@ pub(crate) struct Rays<'a> {
 impl Rays<'_> {
     pub(crate) fn estimate(&self, point: &SurfacePoint) -> Estimate {
         // Each point has a sequence of its own: hashing keeps neighbours independent.
-        let seed = hash_u32(point.id ^ hash_u32(self.plan.seed));
+        let squares = Squares::new(self.plan, hash_u32(point.id ^ hash_u32(self.plan.seed)));
         let rays = PointRays::new(self.plan, self.bvh, point);
-        let mut tally = Tally::default();
-        match self.plan.sampling {
-            Sampling::Sobol => self.trace_sobol(&rays, seed, &mut tally),
-            Sampling::Stratified => {
-                let points = JitteredPoints::new(self.plan.rays, seed);
-                self.trace(&rays, |index| points.point(index), &mut tally);
-            }
-            Sampling::Random => {
-                let points = RandomPoints::new(seed);
-                self.trace(&rays, |index| points.point(index), &mut tally);
-            }
-        }
+        let tally = self.trace(&rays, &squares);
         Estimate {
             visibility: tally.mean(),
             error: tally.variance_of_mean().sqrt(),
@@ -45,54 +31,25 @@ impl Rays<'_> {
         }
     }
 
-    /// Traces rays of the Sobol sequence, sixteen made at a time.
-    fn trace_sobol(&self, rays: &PointRays<'_>, seed: u32, tally: &mut Tally) {
+    fn trace(&self, rays: &PointRays<'_>, squares: &Squares) -> Tally {
         let samples = self.samples.clone();
+        let sixteens = samples.clone().step_by(LANES).map(|first| {
+            let count = LANES.min((samples.end - first) as usize);
+            (squares.sixteen(self.bvh.level(), first, &rays.frame), count)
+        });
+        let mut tally = Tally::default();
         if samples.len() > BUNDLE_RAYS {
             // Bundles that look into a quarter of the hemisphere each share more of their way.
             let mut quarters = Quarters::new();
-            for first in samples.clone().step_by(LANES) {
-                let sixteen = sixteen_at(self.bvh, first, seed, &rays.frame);
-                quarters.push(&sixteen, (samples.end - first) as usize, |bundle| rays.trace(bundle, tally));
+            for (sixteen, count) in sixteens {
+                quarters.push(&sixteen, count, |bundle| rays.trace(bundle, &mut tally));
             }
-            quarters.finish(|bundle| rays.trace(bundle, tally));
+            quarters.finish(|bundle| rays.trace(bundle, &mut tally));
         } else {
             let mut bundle = Directions::new();
-            for first in samples.clone().step_by(LANES) {
-                let sixteen = sixteen_at(self.bvh, first, seed, &rays.frame);
-                bundle.push_group(sixteen.world, LANES.min((samples.end - first) as usize));
-            }
-            rays.trace(&mut bundle, tally);
+            sixteens.for_each(|(sixteen, count)| bundle.push_group(sixteen.world, count));
+            rays.trace(&mut bundle, &mut tally);
         }
+        tally
     }
-
-    /// Traces the rays through the points of the unit square.
-    fn trace(&self, rays: &PointRays<'_>, square: impl Fn(u32) -> Vec2, tally: &mut Tally) {
-        let mut bundle = Directions::new();
-        for index in self.samples.clone() {
-            bundle.push(rays.frame.to_world(cosine_hemisphere(square(index))));
-            if bundle.len() == BUNDLE_RAYS {
-                rays.trace(&mut bundle, tally);
-            }
-        }
-        rays.trace(&mut bundle, tally);
-    }
-}
-
-/// Sixteen samples: where in the square, and in which direction.
-pub(super) struct Sixteen {
-    pub(super) square: [[f32; LANES]; 2],
-    pub(super) world: [[f32; LANES]; 3],
-}
-
-fn sixteen_at(bvh: &Bvh, first: u32, seed: u32, frame: &Frame) -> Sixteen {
-    dispatch!(bvh.level(), simd => sixteen(simd, first, seed, frame))
-}
-
-#[inline(always)]
-fn sixteen<S: Simd>(simd: S, first: u32, seed: u32, frame: &Frame) -> Sixteen {
-    let square = owen_sobol_2d_lanes(simd, first, seed);
-    let [x, y, z] = frame.to_world_lanes(simd, cosine_hemisphere_lanes(simd, square));
-    let [u, v] = square;
-    Sixteen { square: [u.into(), v.into()], world: [x.into(), y.into(), z.into()] }
 }
