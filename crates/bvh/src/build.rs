@@ -2,10 +2,10 @@
 
 use crate::blas::TriangleTree;
 use crate::bvh::Bvh;
+use crate::mesh_space::MeshSpace;
 use crate::node::Child;
 use crate::packet::{PlacedTriangle, TriangleId};
 use crate::placement::{abs_matrix, wide_matrix, world_corner};
-use crate::ray::MeshSpace;
 use crate::top::{Placed, TopLevel};
 use conray_core::{Affine3A, Bounds, Geometry, Opacity, TriangleMesh};
 use rayon::prelude::*;

@@ -31,7 +31,7 @@
 //!    of the crate (`placement.rs`). A transform's rounding is therefore part of the scene, not an error of a query;
 //!    instances answer to the bit as their flattened copies do.
 //! 2. **Boxes** are tested conservatively: `gamma(3)` on slab distances (Ize, "Robust BVH Ray Traversal", 2013), and for
-//!    rays taken into a mesh's space a slack per axis that covers the way there and the corners' rounding (`ray.rs`).
+//!    rays taken into a mesh's space a slack per axis that covers the way there and the corners' rounding (`mesh_space.rs`).
 //!    Only boxes are tested there. A placement that cannot be undone is flattened, or searched without a tree.
 //! 3. **Triangles** are tested watertight (Woop, Benthin, Wald, 2013); an edge belongs to exactly one of the two
 //!    triangles that share it; distances come in double precision from unrounded differences (`triangle.rs`). A hit
@@ -66,6 +66,7 @@ mod bvh;
 mod collapse;
 mod hits;
 mod lanes;
+mod mesh_space;
 mod node;
 mod packet;
 mod placement;

@@ -2,8 +2,8 @@
 
 use crate::blas::TriangleTree;
 use crate::collapse::LeafRule;
+use crate::mesh_space::{MeshSpace, corner_rounding};
 use crate::placement::wide_matrix;
-use crate::ray::{MeshSpace, corner_rounding};
 use crate::refine::build_wide;
 use crate::wide::WideTree;
 use conray_core::{Affine3A, Bounds, Vec3};

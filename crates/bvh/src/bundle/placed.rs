@@ -7,7 +7,7 @@ use super::rays::{BoxRays, Rays};
 use super::walk::{Leaves, walk};
 use crate::bvh::Bvh;
 use crate::lanes::Lanes;
-use crate::ray::MeshSpace;
+use crate::mesh_space::MeshSpace;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// The leaves of the top level: trees of their own.
