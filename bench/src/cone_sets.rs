@@ -1,8 +1,8 @@
 //! Sets of cones marched at surface points.
 
 use crate::tiles;
-use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, SurfacePoint};
-use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
+use conray_core::{Cone, ConeSet, Falloff, Frame, HemisphereCones, SurfacePoint};
+use conray_voxel::{ConeMarch, ConePoint, ConeResult, MarchOptions, Octree};
 
 /// Points of a tile: some tenths of a millisecond.
 const TILE_POINTS: usize = 16;
@@ -24,19 +24,32 @@ impl<'a> ConeSets<'a> {
         Self { march, cones }
     }
 
-    /// Visibility of a point by all cones of the set.
-    pub fn visibility(&self, point: &SurfacePoint) -> f32 {
-        let frame = Frame::from_normal(point.geometric_normal);
+    /// Sum of the visibilities of some points, each by all cones of the set.
+    pub fn visibility(&self, points: &[SurfacePoint]) -> f64 {
         let cones = self.cones.cones();
-        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; MOST_CONES];
-        self.march.march(point.position, point.geometric_normal, &frame, &mut results[..cones.len()]);
-        cones.iter().zip(results).map(|(cone, result)| cone.weight * result.visibility).sum()
+        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; TILE_POINTS * MOST_CONES];
+        let mut sum = 0.0;
+        for points in points.chunks(TILE_POINTS) {
+            let results = &mut results[..points.len() * cones.len()];
+            let set: Vec<_> = points.iter().map(at).collect();
+            self.march.march(&set, results);
+            for results in results.chunks(cones.len()) {
+                let one = |(cone, result): (&Cone, &ConeResult)| cone.weight * result.visibility;
+                sum += f64::from(cones.iter().zip(results).map(one).sum::<f32>());
+            }
+        }
+        sum
     }
 
     /// Seconds for the sets of all points on all threads, and their mean visibility.
     pub fn time(&self, points: &[SurfacePoint], rounds: usize) -> (f64, f64) {
-        let tile = |points: &[SurfacePoint]| points.iter().map(|p| f64::from(self.visibility(p))).sum();
-        let (seconds, sum) = tiles::time(points, TILE_POINTS, rounds, tile);
+        let (seconds, sum) = tiles::time(points, TILE_POINTS, rounds, |points| self.visibility(points));
         (seconds, sum / points.len().max(1) as f64)
     }
+}
+
+/// The cones of a point, about its geometric normal.
+fn at(point: &SurfacePoint) -> ConePoint {
+    let normal = point.geometric_normal;
+    ConePoint { apex: point.position, normal, frame: Frame::from_normal(normal) }
 }

@@ -92,9 +92,7 @@ fn compare(args: &Args, scene: &Hemispheres, octree: &Octree, set: ConeSet, embr
         ),
         (
             "conray, set of cones",
-            Box::new(|points, directions| {
-                each(points, directions, args.cones, |point, _| sets.visibility(point))
-            }),
+            Box::new(|points, _| points.par_chunks(64).map(|points| sets.visibility(points)).sum()),
         ),
         (
             "conray, cones one by one",

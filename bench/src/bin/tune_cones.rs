@@ -9,7 +9,7 @@ use clap::Parser;
 use conray::{AoSettings, Error, Falloff, Method, target::Target};
 use conray_bench::{Bench, judged};
 use conray_core::Frame;
-use conray_voxel::{ConeResult, MarchOptions};
+use conray_voxel::{ConePoint, ConeResult, MarchOptions};
 use std::time::Instant;
 
 #[derive(Parser)]
@@ -68,7 +68,8 @@ fn cone_rmse(bench: &Bench, options: &MarchOptions) -> f64 {
             continue;
         }
         let frame = Frame::from_normal(point.shading_normal);
-        march.march(point.position, point.geometric_normal, &frame, &mut results);
+        let (apex, normal) = (point.position, point.geometric_normal);
+        march.march(&[ConePoint { apex, normal, frame }], &mut results);
         let visibility: f32 = cones.iter().zip(&results).map(|(c, r)| c.weight * r.visibility).sum();
         sum += f64::from(visibility - truth).powi(2);
         count += 1;

@@ -3,7 +3,7 @@
 use crate::Vec3;
 
 /// A right-handed orthonormal frame whose third axis is a normal.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// First tangent.
     pub x: Vec3,

@@ -40,7 +40,8 @@ impl<'a> ConeViews<'a> {
     /// Marches the cones of a point, in the plan's order.
     pub fn at(&self, point: &SurfacePoint) -> impl Iterator<Item = ConeView<'a>> + use<'a> {
         let plan = self.plan;
-        self.marches.at(point).map(move |(cone, axis, result)| {
+        let results = self.marches.march(std::slice::from_ref(point));
+        self.marches.of(point, results).map(move |(cone, axis, result)| {
             let alpha = cone_share(result.error, plan);
             let rays = ray_count(alpha, plan.max_rays);
             ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }

@@ -1,9 +1,12 @@
 //! The backend that runs on the processor's cores.
 
-use crate::{AoPlan, Backend, BackendError, Control, Method, methods};
+use crate::{
+    AoPlan, Backend, BackendError, Control, Method,
+    methods::{self, Marches},
+};
 use conray_bvh::{Bvh, Level};
 use conray_core::{Estimate, SurfacePoint, Vec3};
-use conray_voxel::Octree;
+use conray_voxel::{ConeResult, Octree};
 use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
 
@@ -50,36 +53,59 @@ impl Backend for CpuBackend {
         match plan.method {
             Method::Rays => {
                 let rays = methods::Rays { plan, bvh: &self.bvh, samples };
-                each_point(points, estimates, control, |point| rays.estimate(point));
+                each_chunk(points, estimates, control, |points, estimates| {
+                    for (point, out) in points.iter().zip(estimates) {
+                        *out = if point.is_valid() { rays.estimate(point) } else { INVALID };
+                    }
+                });
             }
             Method::Cones => {
                 let cones = methods::Cones { marches: marches()? };
-                each_point(points, estimates, control, |point| cones.estimate(point));
+                each_marched(&cones.marches, points, estimates, control, |point, results| {
+                    cones.estimate(point, results)
+                });
             }
             Method::Paper | Method::Hybrid => {
                 let paper = methods::Paper { plan, bvh: &self.bvh, marches: marches()?, frames: samples };
-                each_point(points, estimates, control, |point| paper.estimate(point));
+                each_marched(&paper.marches, points, estimates, control, |point, results| {
+                    paper.estimate(point, results)
+                });
             }
         }
         Ok(())
     }
 }
 
-/// Fills in the estimates in parallel; each depends on its point alone.
-fn each_point(
+/// Fills in the estimates in parallel, chunk by chunk.
+fn each_chunk(
     points: &[SurfacePoint],
     estimates: &mut [Estimate],
     control: Control<'_>,
-    estimate: impl Fn(&SurfacePoint) -> Estimate + Sync,
+    fill: impl Fn(&[SurfacePoint], &mut [Estimate]) + Sync,
 ) {
     points.par_chunks(CHUNK).zip(estimates.par_chunks_mut(CHUNK)).for_each(|(points, estimates)| {
         if control.is_cancelled() {
             return;
         }
-        for (point, out) in points.iter().zip(estimates) {
-            *out = if point.is_valid() { estimate(point) } else { INVALID };
-        }
+        fill(points, estimates);
         (control.progress)(points.len());
+    });
+}
+
+/// The same for a method with cones, which are marched for all points of a chunk together.
+fn each_marched(
+    marches: &Marches<'_>,
+    points: &[SurfacePoint],
+    estimates: &mut [Estimate],
+    control: Control<'_>,
+    estimate: impl Fn(&SurfacePoint, &[ConeResult]) -> Estimate + Sync,
+) {
+    each_chunk(points, estimates, control, |points, estimates| {
+        let results = marches.march(points);
+        let results = results.chunks(results.len() / points.len());
+        for ((point, out), results) in points.iter().zip(estimates).zip(results) {
+            *out = if point.is_valid() { estimate(point, results) } else { INVALID };
+        }
     });
 }
 

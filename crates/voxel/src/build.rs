@@ -8,6 +8,7 @@ use crate::{
     grid::Grid,
     level::{BrickTable, Bricks, LeafBrick, Level, NodeBrick},
     marks::BrickMarks,
+    plain::PlainNodes,
     upward::{SUMS_BYTES, build_upper_levels, parent_codes},
     voxelise::{AxisBrick, CHUNK_BYTES, list_bytes, voxelise},
 };
@@ -136,7 +137,7 @@ fn peak_bytes(
     let (mut side, mut codes) = (resolution, codes.to_vec());
     for level in 0u32.. {
         held += 4 * codes.len() as u64 + BrickTable::bytes_for(side);
-        held += FilterBits::bytes_for(side, &codes);
+        held += FilterBits::bytes_for(side, &codes) + PlainNodes::bytes_for(side);
         if level > 0 {
             held += (codes.len() as u64 + 1) * (size_of::<NodeBrick>() as u64 + axes);
         }

@@ -1,7 +1,7 @@
 //! Where a trilinear filter meets nothing: one bit for each place that it can take.
 //!
 //! The filter about a position covers the nodes `place - 1` and `place` on each axis. Most samples of a march lie in empty
-//! space; two reads here tell so, where reading the nodes takes sixteen.
+//! space; one or two reads here tell so, where reading the nodes takes sixteen.
 
 use crate::{
     level::{BrickTable, Level},
@@ -16,41 +16,94 @@ const BLOCK: u32 = 8;
 /// Words of 32 bits in a block.
 pub(crate) const BLOCK_WORDS: usize = 16;
 
-/// One level's bits, in blocks of 8 x 8 x 8 places; the numbers of the blocks are in the level's table.
+/// The most nodes along a side for which every place of the cube has a bit: 2 MB, found by one read in place of two.
+const MOST_PLAIN: u32 = 256;
+
+/// One level's bits; the filter takes places from 0 to the level's side.
+#[derive(Clone, Debug)]
+pub(crate) enum FilterBits {
+    /// A bit for every place, on levels with few.
+    Plain(PlainBits),
+    /// Blocks of 8 x 8 x 8 places, whose numbers are in the level's table; number 0 is without bits. Bit `x + 8 (y % 4)` of
+    /// word `2 z + y / 4` is set where the filter meets an occupied node.
+    Blocks(Vec<[u32; BLOCK_WORDS]>),
+}
+
+/// A bit for every place of a cube.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FilterBits {
-    /// Blocks of [`BLOCK_WORDS`], number 0 without bits; bit `x + 8 (y % 4)` of word `2 z + y / 4` is set where the filter
-    /// meets an occupied node.
-    pub(crate) blocks: Vec<[u32; BLOCK_WORDS]>,
+pub(crate) struct PlainBits {
+    /// Places along a side, with at least one more than the filter takes: there it meets nothing. A multiple of 8.
+    pub(crate) across: u32,
+    /// The place x, y, z has bit `i % 8` of byte `i / 8`, where `i = (z across + y) across + x`.
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl FilterBits {
     /// Adds the bits to a level, and the numbers of blocks without a brick to its table.
     pub(crate) fn add_to(level: &mut Level) {
         let extra = extra_codes(level.side, &level.codes, &level.table);
+        if level.side <= MOST_PLAIN {
+            level.filter = Self::Plain(PlainBits::new(level, &extra));
+            return;
+        }
         let count = level.codes.len() + extra.len();
         let mut blocks = vec![[0; BLOCK_WORDS]; count + 1];
         let places = level.codes.par_iter().chain(&extra);
         blocks[1..]
             .par_iter_mut()
             .zip(places)
-            .for_each(|(block, &code)| fill(block, level, morton::decode(code)));
+            .for_each(|(block, &code)| *block = bits_of(level, morton::decode(code)));
         for (number, &code) in (level.codes.len() as u32 + 1..).zip(&extra) {
             let index = level.table.index(morton::decode(code));
             level.table.numbers[index] = number;
         }
-        level.filter = Self { blocks };
+        level.filter = Self::Blocks(blocks);
     }
 
     /// Bytes held.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        size_of_val(self.blocks.as_slice()) as u64
+        match self {
+            Self::Plain(plain) => size_of_val(plain.bytes.as_slice()) as u64,
+            Self::Blocks(blocks) => size_of_val(blocks.as_slice()) as u64,
+        }
     }
 
     /// Bytes of the bits of a level with that many nodes a side and those bricks.
     pub(crate) fn bytes_for(side: u32, codes: &[u32]) -> u64 {
+        if side <= MOST_PLAIN {
+            return u64::from(PlainBits::across(side).pow(3) / 8);
+        }
         let extra = extra_codes(side, codes, &BrickTable::new(side, codes));
         4 * ((codes.len() + extra.len() + 1) * BLOCK_WORDS) as u64
+    }
+}
+
+impl PlainBits {
+    fn across(side: u32) -> u32 {
+        (side + 2).next_multiple_of(BLOCK)
+    }
+
+    /// The bits of a level, by blocks with a brick and `extra` ones.
+    fn new(level: &Level, extra: &[u32]) -> Self {
+        let across = Self::across(level.side);
+        let mut layers = vec![vec![]; (across / BLOCK) as usize];
+        for &code in level.codes.iter().chain(extra) {
+            let block = morton::decode(code);
+            layers[block.z as usize].push(block);
+        }
+        let row_bytes = (across / BLOCK) as usize;
+        let layer_bytes = across as usize * across as usize;
+        let mut bytes = vec![0; layers.len() * layer_bytes];
+        bytes.par_chunks_mut(layer_bytes).zip(&layers).for_each(|(bytes, blocks)| {
+            for &block in blocks {
+                let rows = bits_of(level, block).map(u32::to_le_bytes);
+                for (row, &bits) in rows.as_flattened().iter().enumerate() {
+                    let (y, z) = (8 * block.y as usize + row % 8, row / 8);
+                    bytes[(z * across as usize + y) * row_bytes + block.x as usize] = bits;
+                }
+            }
+        });
+        Self { across, bytes }
     }
 }
 
@@ -59,10 +112,18 @@ impl Level {
     #[inline]
     pub(crate) fn is_vacant(&self, place: IVec3) -> bool {
         let place = place.as_uvec3();
-        let number = self.table.numbers[self.table.index(place / BLOCK)];
-        let local = place % BLOCK;
-        let word = self.filter.blocks[number as usize][(2 * local.z + local.y / 4) as usize];
-        word >> (local.x + 8 * (local.y % 4)) & 1 == 0
+        match &self.filter {
+            FilterBits::Plain(plain) => {
+                let index = (place.z * plain.across + place.y) * plain.across + place.x;
+                plain.bytes[index as usize / 8] >> (index % 8) & 1 == 0
+            }
+            FilterBits::Blocks(blocks) => {
+                let number = self.table.numbers[self.table.index(place / BLOCK)];
+                let local = place % BLOCK;
+                let word = blocks[number as usize][(2 * local.z + local.y / 4) as usize];
+                word >> (local.x + 8 * (local.y % 4)) & 1 == 0
+            }
+        }
     }
 }
 
@@ -84,8 +145,9 @@ fn extra_codes(side: u32, bricks: &[u32], table: &BrickTable) -> Vec<u32> {
     codes
 }
 
-/// Sets the bits of one block.
-fn fill(block: &mut [u32], level: &Level, place: UVec3) {
+/// The bits of the block at a place.
+fn bits_of(level: &Level, place: UVec3) -> [u32; BLOCK_WORDS] {
+    let mut block = [0; BLOCK_WORDS];
     // Bricks about the block: bit k of the index says whether the lower or the upper one on axis k.
     let bricks: [Option<u32>; 8] = std::array::from_fn(|c| {
         let upper = UVec3::new(c as u32 & 1, c as u32 >> 1 & 1, c as u32 >> 2);
@@ -118,4 +180,5 @@ fn fill(block: &mut [u32], level: &Level, place: UVec3) {
         }
         below = layer;
     }
+    block
 }

@@ -1,6 +1,6 @@
 //! How one level's nodes are stored: sparse bricks of 8 x 8 x 8 nodes, found through a table of all their places.
 
-use crate::{filter_bits::FilterBits, morton};
+use crate::{filter_bits::FilterBits, morton, plain::PlainNodes};
 use glam::UVec3;
 
 /// 512 leaves.
@@ -36,6 +36,18 @@ pub(crate) enum Bricks {
     Nodes(Vec<NodeBrick>),
 }
 
+impl Bricks {
+    /// Mean and SD of a node of a brick, in 65535ths.
+    #[inline(always)]
+    pub(crate) fn moments(&self, brick: usize, index: usize) -> [u16; 2] {
+        match self {
+            // 65535 = 257 * 255; a leaf has no SD.
+            Self::Leaves(leaves) => [257 * u16::from(leaves[brick].means[index]), 0],
+            Self::Nodes(nodes) => nodes[brick].moments[index],
+        }
+    }
+}
+
 /// All nodes of one size.
 #[derive(Clone)]
 pub(crate) struct Level {
@@ -51,6 +63,8 @@ pub(crate) struct Level {
     pub(crate) axes: Vec<[[u8; 3]; 512]>,
     /// Where filters meet nothing.
     pub(crate) filter: FilterBits,
+    /// All nodes of a small level.
+    pub(crate) plain: Option<PlainNodes>,
 }
 
 /// Index of a node within its brick.
@@ -63,7 +77,8 @@ impl Level {
     /// A level of those bricks, with its tables.
     pub(crate) fn new(side: u32, codes: Vec<u32>, bricks: Bricks, axes: Vec<[[u8; 3]; 512]>) -> Self {
         let table = BrickTable::new(side, &codes);
-        let mut level = Self { side, codes, table, bricks, axes, filter: FilterBits::default() };
+        let plain = PlainNodes::new(side, &codes, &bricks);
+        let mut level = Self { side, codes, table, bricks, axes, filter: FilterBits::Blocks(vec![]), plain };
         FilterBits::add_to(&mut level);
         level
     }
@@ -130,6 +145,7 @@ impl Level {
         (bricks + size_of_val(self.axes.as_slice()) + size_of_val(self.codes.as_slice())) as u64
             + self.table.memory_bytes()
             + self.filter.memory_bytes()
+            + self.plain.as_ref().map_or(0, PlainNodes::memory_bytes)
     }
 }
 

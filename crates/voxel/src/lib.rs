@@ -30,6 +30,7 @@ mod marks;
 mod morton;
 mod octree;
 mod options;
+mod plain;
 mod region;
 mod rows;
 mod steps;
@@ -37,7 +38,7 @@ mod upward;
 mod validate;
 mod voxelise;
 
-pub use cone_set::{ConeMarch, Level as SimdLevel};
+pub use cone_set::{ConeMarch, ConePoint, Level as SimdLevel};
 pub use error::VoxelError;
 pub use lookup::Sample;
 pub use march::{ConeQuery, ConeResult, Density, MarchOptions};

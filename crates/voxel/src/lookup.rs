@@ -69,14 +69,14 @@ impl Taps {
     /// `position` in units of leaves; `None` where all eight lie outside the cube, or the position is NaN.
     #[inline]
     pub(crate) fn new(position: Vec3, level: usize, side: u32) -> Option<Self> {
-        // Node centres lie at half-integers.
-        let at = position * (1.0 / (1u32 << level) as f32) - 0.5;
-        if !(at.cmpge(Vec3::NEG_ONE).all() && at.cmplt(Vec3::splat(side as f32)).all()) {
+        // Node centres lie at half-integers: this is the upper node's number where it is whole.
+        let place = position * (1.0 / (1u32 << level) as f32) + 0.5;
+        if !(place.cmpge(Vec3::ZERO).all() && place.cmplt(Vec3::splat((side + 1) as f32)).all()) {
             return None;
         }
-        // Not negative after adding 1, so truncation is the floor.
-        let low = (at + 1.0).as_ivec3() - 1;
-        Some(Self { low, share: at - low.as_vec3() })
+        // Not negative, so truncation is the floor.
+        let high = place.as_ivec3();
+        Some(Self { low: high - 1, share: place - high.as_vec3() })
     }
 
     /// Weight of tap `c`: bit k chooses the upper node on axis k.
@@ -94,8 +94,7 @@ impl Taps {
     /// True where no triangle touches any of the eight.
     #[inline]
     pub(crate) fn is_vacant(&self, level: &Level) -> bool {
-        // Rounding may put a position just inside the cube one node outside.
-        level.is_vacant((self.low + 1).min(IVec3::splat(level.side as i32)))
+        level.is_vacant(self.low + 1)
     }
 
     /// Mean and SD of the eight, interpolated, and the change of the mean along each axis per node; all in 65535ths.

@@ -10,9 +10,26 @@ pub(crate) struct Rows(pub(crate) [[u16; 4]; 4]);
 const WINDOW: usize = 64 + 8 + 2;
 
 impl Rows {
+    /// The nodes of a brick of leaves from the first of eight on.
+    #[inline(always)]
+    pub(crate) fn of_leaves(leaves: &[u8; 512], first: usize) -> Self {
+        let w = window(leaves, first);
+        Self([leaf_row(w[0], w[1]), leaf_row(w[8], w[9]), leaf_row(w[64], w[65]), leaf_row(w[72], w[73])])
+    }
+
+    /// The same above the leaves.
+    #[inline(always)]
+    pub(crate) fn of_nodes(nodes: &[[u16; 2]; 512], first: usize) -> Self {
+        let w = window(nodes, first);
+        Self([row(w[0], w[1]), row(w[8], w[9]), row(w[64], w[65]), row(w[72], w[73])])
+    }
+
     /// The nodes `place - 1` and `place` on each axis, where `place` is from 0 to one more than the level's side.
     #[inline(always)]
     pub(crate) fn new(level: &Level, place: UVec3) -> Self {
+        if let Some(plain) = &level.plain {
+            return plain.rows(plain.first(place));
+        }
         let local = place % 8;
         if local.min_element() == 0 {
             Self::across(level, place)
@@ -27,54 +44,64 @@ impl Rows {
         let brick = level.stored(level.table.index(brick));
         let first = (first.x + 8 * first.y + 64 * first.z) as usize;
         match &level.bricks {
-            Bricks::Leaves(leaves) => {
-                let w = window(&leaves[brick].means, first);
-                Self([
-                    leaf_row(w[0], w[1]),
-                    leaf_row(w[8], w[9]),
-                    leaf_row(w[64], w[65]),
-                    leaf_row(w[72], w[73]),
-                ])
-            }
-            Bricks::Nodes(nodes) => {
-                let w = window(&nodes[brick].moments, first);
-                Self([row(w[0], w[1]), row(w[8], w[9]), row(w[64], w[65]), row(w[72], w[73])])
-            }
+            Bricks::Leaves(leaves) => Self::of_leaves(&leaves[brick].means, first),
+            Bricks::Nodes(nodes) => Self::of_nodes(&nodes[brick].moments, first),
         }
     }
 
     /// In up to eight bricks.
     #[inline(always)]
-    fn across(level: &Level, place: UVec3) -> Self {
-        // Where the lower and the upper node are on each axis: which brick, counted from the border, and where in it.
-        let (low, high) = (place + 7, place + 8);
-        let (low_brick, high_brick) = (low / 8, high / 8);
-        let (low, high) = (low % 8, high % 8);
+    pub(crate) fn across(level: &Level, place: UVec3) -> Self {
+        // Where the lower nodes are: in which brick, counted from the border, and where in it.
+        let (brick, local) = ((place + 7) / 8, (place + 7) % 8);
+        let (x, y, z) = (Axis::new(local.x), Axis::new(local.y), Axis::new(local.z));
         let across = level.table.across;
-        let at = |x: (u32, u32), y: (u32, u32), z: (u32, u32)| {
-            let brick = level.stored(((z.0 * across + y.0) * across + x.0) as usize);
-            (brick, (x.1 + 8 * y.1 + 64 * z.1) as usize)
+        let index = (brick.z * across + brick.y) * across + brick.x;
+        let first = (local.x + 8 * local.y + 64 * local.z) as i32;
+        // The brick and the index in it of the node that is that many steps on along each axis.
+        let at = |i: u32, j: u32, k: u32| {
+            let index = index + i * x.bricks + across * (j * y.bricks + across * k * z.bricks);
+            let node = first + i as i32 * x.nodes + 8 * j as i32 * y.nodes + 64 * k as i32 * z.nodes;
+            (level.stored(index as usize), node as usize % 512)
         };
-        let x = [(low_brick.x, low.x), (high_brick.x, high.x)];
-        let y = [(low_brick.y, low.y), (high_brick.y, high.y)];
-        let z = [(low_brick.z, low.z), (high_brick.z, high.z)];
-        let rows = [(y[0], z[0]), (y[1], z[0]), (y[0], z[1]), (y[1], z[1])];
-        let mut all = [[0; 4]; 4];
+        // Written out: closures over arrays are not always made part of the caller.
         match &level.bricks {
             Bricks::Leaves(leaves) => {
-                for (row, (y, z)) in all.iter_mut().zip(rows) {
-                    let ((a, i), (b, j)) = (at(x[0], y, z), at(x[1], y, z));
-                    *row = leaf_row(leaves[a].means[i], leaves[b].means[j]);
-                }
+                let node = |(brick, node): (usize, usize)| leaves[brick].means[node];
+                Self([
+                    leaf_row(node(at(0, 0, 0)), node(at(1, 0, 0))),
+                    leaf_row(node(at(0, 1, 0)), node(at(1, 1, 0))),
+                    leaf_row(node(at(0, 0, 1)), node(at(1, 0, 1))),
+                    leaf_row(node(at(0, 1, 1)), node(at(1, 1, 1))),
+                ])
             }
             Bricks::Nodes(nodes) => {
-                for (out, (y, z)) in all.iter_mut().zip(rows) {
-                    let ((a, i), (b, j)) = (at(x[0], y, z), at(x[1], y, z));
-                    *out = row(nodes[a].moments[i], nodes[b].moments[j]);
-                }
+                let node = |(brick, node): (usize, usize)| nodes[brick].moments[node];
+                Self([
+                    row(node(at(0, 0, 0)), node(at(1, 0, 0))),
+                    row(node(at(0, 1, 0)), node(at(1, 1, 0))),
+                    row(node(at(0, 0, 1)), node(at(1, 0, 1))),
+                    row(node(at(0, 1, 1)), node(at(1, 1, 1))),
+                ])
             }
         }
-        Self(all)
+    }
+}
+
+/// From a node to the next one along an axis.
+struct Axis {
+    /// 1 where that is in the next brick.
+    bricks: u32,
+    /// Nodes on within a brick: 1, or back to the first.
+    nodes: i32,
+}
+
+impl Axis {
+    /// From the node at that place in its brick.
+    #[inline(always)]
+    fn new(local: u32) -> Self {
+        let bricks = u32::from(local == 7);
+        Self { bricks, nodes: 1 - 8 * bricks as i32 }
     }
 }
 
@@ -84,7 +111,7 @@ fn window<T>(nodes: &[T; 512], first: usize) -> &[T; WINDOW] {
 }
 
 #[inline(always)]
-fn row(low: [u16; 2], high: [u16; 2]) -> [u16; 4] {
+pub(crate) fn row(low: [u16; 2], high: [u16; 2]) -> [u16; 4] {
     [low[0], low[1], high[0], high[1]]
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{MarchOptions, Octree};
 use conray_core::{Falloff, Vec3};
+use std::ops::Range;
 
 /// One sample of a march; lengths in leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,5 +111,46 @@ impl Iterator for Steps {
         };
         self.t += length;
         Some(step)
+    }
+}
+
+/// The most steps of a part: those of a march with the default options among the leaves, and more than those of a level.
+pub(crate) const MOST_STEPS_OF_PART: usize = 6;
+
+/// Steps in a row on the same levels.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Part {
+    /// Which steps of the plan.
+    pub(crate) steps: Range<usize>,
+    /// The finer level.
+    pub(crate) level: usize,
+    /// The coarser one, or the same.
+    pub(crate) coarse: usize,
+}
+
+/// All steps of a march, in parts.
+#[derive(Clone, Debug)]
+pub(crate) struct MarchPlan {
+    pub(crate) steps: Vec<Step>,
+    pub(crate) parts: Vec<Part>,
+}
+
+impl MarchPlan {
+    pub(crate) fn new(steps: Steps) -> Self {
+        let steps: Vec<_> = steps.collect();
+        let mut parts: Vec<Part> = vec![];
+        for (index, step) in steps.iter().enumerate() {
+            let (level, coarse) = (step.level, step.coarse());
+            match parts.last_mut() {
+                Some(part)
+                    if (part.level, part.coarse) == (level, coarse)
+                        && part.steps.len() < MOST_STEPS_OF_PART =>
+                {
+                    part.steps.end = index + 1;
+                }
+                _ => parts.push(Part { steps: index..index + 1, level, coarse }),
+            }
+        }
+        Self { steps, parts }
     }
 }

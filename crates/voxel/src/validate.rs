@@ -13,7 +13,8 @@ impl Octree {
     ///
     /// Bricks are sorted, complete and found through their table; a node is empty exactly where its children are;
     /// empty nodes have no opacity; means are those of the children within rounding; means and SDs equal those
-    /// recomputed from the leaves; `0 <= SD^2 <= mean (1 - mean)`; filters meet something exactly where a node is occupied.
+    /// recomputed from the leaves; `0 <= SD^2 <= mean (1 - mean)`; filters meet something exactly where a node is occupied;
+    /// second copies equal the first.
     pub fn validate(&self) -> Result<(), String> {
         let mut side = self.grid.resolution;
         for (l, level) in self.levels.iter().enumerate() {
@@ -23,6 +24,7 @@ impl Octree {
             check_table(level).map_err(|e| format!("level {l}: {e}"))?;
             check_nodes(level).map_err(|e| format!("level {l}: {e}"))?;
             check_filter(level).map_err(|e| format!("level {l}: {e}"))?;
+            check_plain(level).map_err(|e| format!("level {l}: {e}"))?;
             if l > 0 {
                 self.check_parents(l).map_err(|e| format!("level {l}: {e}"))?;
                 self.check_moments(l as u32).map_err(|e| format!("level {l}: {e}"))?;
@@ -146,6 +148,31 @@ fn check_filter(level: &Level) -> Result<(), String> {
     })
 }
 
+/// The second copy of a small level equals the first, and has nothing about the cube.
+fn check_plain(level: &Level) -> Result<(), String> {
+    let Some(plain) = &level.plain else { return Ok(()) };
+    let (mut index, side) = (0, level.side as i32);
+    for z in -1..side + 2 {
+        for y in -1..side + 2 {
+            for x in -1..side + 2 {
+                let cell = IVec3::new(x, y, z);
+                let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(side)).all();
+                let found = inside.then(|| level.find(cell.as_uvec3())).flatten();
+                let expected =
+                    found.map_or([0; 2], |(brick, node)| level.bricks.moments(brick as usize, node));
+                if plain.moments[index] != expected {
+                    return Err(format!(
+                        "node {cell} has {:?} in place of {expected:?}",
+                        plain.moments[index]
+                    ));
+                }
+                index += 1;
+            }
+        }
+    }
+    if index == plain.moments.len() { Ok(()) } else { Err("the copy of the nodes has another size".into()) }
+}
+
 /// What holds for a node by itself.
 fn check_nodes(level: &Level) -> Result<(), String> {
     for_each_node(level, |cell, brick, index| {
@@ -190,28 +217,54 @@ fn for_each_node(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::OctreeOptions;
+    use crate::{OctreeOptions, filter_bits::FilterBits};
     use conray_core::{Affine3A, Geometry, TriangleMesh, Vec3};
 
-    #[test]
-    fn a_wrong_bit_of_a_filter_is_found() {
+    fn octree() -> Octree {
         let mut geometry = Geometry::default();
         let corners = vec![Vec3::ZERO, Vec3::X, Vec3::new(0.3, 1.0, 0.8)];
         let mesh = geometry.add_mesh(TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap()).unwrap();
         geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
+        // Its leaves have their bits in blocks and their nodes in bricks alone.
         let octree =
-            Octree::build(&geometry, &OctreeOptions { resolution: 32, ..Default::default() }).unwrap();
+            Octree::build(&geometry, &OctreeOptions { resolution: 512, ..Default::default() }).unwrap();
         octree.validate().unwrap();
+        octree
+    }
+
+    #[test]
+    fn a_wrong_bit_of_a_filter_is_found() {
+        let mut octree = octree();
         for l in 0..octree.levels.len() {
-            let mut wrong = octree.clone();
-            let blocks = &mut wrong.levels[l].filter.blocks;
-            let (block, word) = (1..blocks.len())
-                .flat_map(|block| (0..16).map(move |word| (block, word)))
-                .find(|&(block, word)| blocks[block][word] != 0)
-                .unwrap();
-            let bits = &mut blocks[block][word];
-            *bits &= *bits - 1;
-            assert!(wrong.validate().unwrap_err().contains("filter"), "level {l}");
+            let right = octree.levels[l].filter.clone();
+            match &mut octree.levels[l].filter {
+                FilterBits::Plain(plain) => {
+                    let byte = plain.bytes.iter_mut().find(|byte| **byte != 0).unwrap();
+                    *byte &= *byte - 1;
+                }
+                FilterBits::Blocks(blocks) => {
+                    let word = blocks.as_flattened_mut().iter_mut().find(|word| **word != 0).unwrap();
+                    *word &= *word - 1;
+                }
+            }
+            assert!(check_filter(&octree.levels[l]).unwrap_err().contains("filter"), "level {l}");
+            octree.levels[l].filter = right;
         }
+    }
+
+    #[test]
+    fn a_wrong_copy_of_a_node_is_found() {
+        let mut octree = octree();
+        let mut copies = 0;
+        for l in 0..octree.levels.len() {
+            let Some(plain) = &mut octree.levels[l].plain else { continue };
+            for index in [0, plain.moments.len() / 2, plain.moments.len() - 1] {
+                octree.levels[l].plain.as_mut().unwrap().moments[index][1] ^= 1;
+                assert!(check_plain(&octree.levels[l]).unwrap_err().contains("in place of"), "level {l}");
+                octree.levels[l].plain.as_mut().unwrap().moments[index][1] ^= 1;
+            }
+            copies += 1;
+        }
+        assert_eq!(copies, 8, "levels of 128 nodes a side and less");
     }
 }

@@ -4,7 +4,7 @@ use super::above_surface::AboveSurface;
 use crate::AoPlan;
 use conray_bvh::Level;
 use conray_core::{Cone, ConeEstimate, Estimate, Frame, SurfacePoint, Vec3};
-use conray_voxel::{ConeMarch, ConeResult, MarchOptions, Octree};
+use conray_voxel::{ConeMarch, ConePoint, ConeResult, MarchOptions, Octree};
 
 /// The estimate by cones alone.
 pub(crate) struct Cones<'a> {
@@ -12,9 +12,10 @@ pub(crate) struct Cones<'a> {
 }
 
 impl Cones<'_> {
-    pub(crate) fn estimate(&self, point: &SurfacePoint) -> Estimate {
+    /// The estimate at a point from what its cones found.
+    pub(crate) fn estimate(&self, point: &SurfacePoint, results: &[ConeResult]) -> Estimate {
         let (mut visibility, mut error, mut bent) = (0.0, 0.0, Vec3::ZERO);
-        for (cone, axis, result) in self.marches.at(point) {
+        for (cone, axis, result) in self.marches.of(point, results.iter().copied()) {
             visibility += cone.weight * result.visibility;
             error += cone.weight * result.error;
             bent += cone.weight * result.visibility * axis;
@@ -31,9 +32,6 @@ pub(crate) struct Marches<'a> {
     above: AboveSurface,
 }
 
-/// Most cones of a set.
-const MOST_CONES: usize = 25;
-
 impl<'a> Marches<'a> {
     pub(crate) fn new(plan: &'a AoPlan, octree: &'a Octree, level: Level) -> Self {
         let options = MarchOptions::default();
@@ -41,19 +39,34 @@ impl<'a> Marches<'a> {
         Self { plan, march, above: AboveSurface::new(&plan.cones) }
     }
 
-    /// Marches every cone at a point: the cone, its axis in world space and its result.
-    pub(crate) fn at(
+    /// Marches every cone at some points; the results of one point after those of the other.
+    pub(crate) fn march(&self, points: &[SurfacePoint]) -> Vec<ConeResult> {
+        let count = self.plan.cones.cones().len();
+        let set: Vec<_> = points.iter().map(cone_point).collect();
+        let mut results = vec![ConeResult { visibility: 0.0, error: 0.0 }; points.len() * count];
+        self.march.march(&set, &mut results);
+        for ((point, at), results) in points.iter().zip(&set).zip(results.chunks_mut(count)) {
+            if point.shading_normal != point.geometric_normal {
+                self.above.scale(at.frame.to_local(point.geometric_normal), results);
+            }
+        }
+        results
+    }
+
+    /// The cones of a point, each with its axis in world space and its result.
+    pub(crate) fn of<R: IntoIterator<Item = ConeResult>>(
         &self,
         point: &SurfacePoint,
-    ) -> impl Iterator<Item = (&'a Cone, Vec3, ConeResult)> + use<'a> {
-        let frame = Frame::from_normal(point.shading_normal);
-        let cones = self.plan.cones.cones();
-        let mut results = [ConeResult { visibility: 0.0, error: 0.0 }; MOST_CONES];
-        self.march.march(point.position, point.geometric_normal, &frame, &mut results[..cones.len()]);
-        if point.shading_normal != point.geometric_normal {
-            let normal = frame.to_local(point.geometric_normal);
-            self.above.scale(normal, &mut results[..cones.len()]);
-        }
-        cones.iter().zip(results).map(move |(cone, result)| (cone, frame.to_world(cone.axis), result))
+        results: R,
+    ) -> impl Iterator<Item = (&'a Cone, Vec3, ConeResult)> + use<'a, R> {
+        let frame = cone_point(point).frame;
+        let cones = self.plan.cones.cones().iter().zip(results);
+        cones.map(move |(cone, result)| (cone, frame.to_world(cone.axis), result))
     }
+}
+
+/// Where the cones of a surface point stand.
+fn cone_point(point: &SurfacePoint) -> ConePoint {
+    let frame = Frame::from_normal(point.shading_normal);
+    ConePoint { apex: point.position, normal: point.geometric_normal, frame }
 }

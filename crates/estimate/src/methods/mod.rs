@@ -1,4 +1,5 @@
-//! The methods, one file each. Every method is a value with `estimate(&SurfacePoint) -> Estimate`.
+//! The methods, one file each. Every method is a value with a function `estimate` from a point to its estimate; those with
+//! cones are given what [`Marches`] found for the points of a chunk.
 
 mod above_surface;
 mod cones;

@@ -27,11 +27,12 @@ pub(crate) struct Paper<'a> {
 }
 
 impl Paper<'_> {
-    pub(crate) fn estimate(&self, point: &SurfacePoint) -> Estimate {
+    /// The estimate at a point from what its cones found.
+    pub(crate) fn estimate(&self, point: &SurfacePoint, results: &[ConeResult]) -> Estimate {
         let plan = self.plan;
         let point_rays = PointRays::new(plan, self.bvh, point);
         let seed = hash_u32(point.id ^ hash_u32(plan.seed));
-        let marched: Vec<_> = self.marches.at(point).collect();
+        let marched: Vec<_> = self.marches.of(point, results.iter().copied()).collect();
         let tallies = self.trace(&point_rays, seed, &marched);
         let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);

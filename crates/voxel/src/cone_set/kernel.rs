@@ -1,137 +1,114 @@
-//! The march of sixteen cones that share their steps.
+//! The march of the cones of some points, sixteen of each, that share their steps.
 
 use super::{
-    lanes::{Fan, LANES, Lanes, LocalAxes},
+    asked::Asked,
+    lanes::{Bits, Fan, LANES, Lanes, LocalAxes, store},
     passage::Passage,
-    places::{Places, StoredPlaces},
-    slopes::Slopes,
+    paths::Paths,
+    samples::{Found, Samples},
 };
-use crate::{ConeResult, Octree, filter_bits::BLOCK_WORDS, level::Level, steps::Step};
-use conray_core::Vec3;
-use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
-use std::hint::black_box;
+use crate::{
+    ConeResult, Octree,
+    steps::{MarchPlan, Part},
+};
+use fearless_simd::Simd;
 
-/// Marches the cones; lanes without a cone are open.
-#[inline(always)]
-pub(super) fn march<S: Simd>(
-    simd: S,
-    octree: &Octree,
-    steps: &[Step],
-    fan: &Fan,
-    axes: &LocalAxes,
-) -> [ConeResult; LANES] {
-    let paths = Paths::new(simd, fan, axes);
-    let mut passage = Passage::open(simd);
-    let mut active = axes.all;
-    for (index, step) in steps.iter().enumerate() {
-        let at = paths.at(simd, step);
-        let coarse = step.coarse();
-        let nodes = &octree.levels[coarse];
-        let places = Places::new(simd, &at, coarse, nodes.side);
-        let reachable = places.inside & active;
-        if reachable == 0 {
-            continue;
-        }
-        let met = met(simd, nodes, &places.place) & reachable;
-        if met == 0 {
-            continue;
-        }
-        let finer = &octree.levels[step.level];
-        let fine_places = Places::new(simd, &at, step.level, finer.side).stored();
-        // Where only the coarser filter meets something, the finer one has nothing to read.
-        let met_by_finer = if step.share > 0.0 { fine_places.met_of(finer, met) } else { met };
-        let mut slope = look_up(simd, &fine_places, finer, met_by_finer).in_leaves(simd, step.level);
-        if step.share > 0.0 {
-            let coarser = look_up(simd, &places.stored(), nodes, met).in_leaves(simd, coarse);
-            slope = slope.lerp(simd, coarser, step.share);
-        }
-        active &= !passage.add(simd, index, step, &slope, &paths.axis, met);
-        if active == 0 {
-            break;
+/// Points that are marched together: their samples fill vectors that those of one would leave half empty.
+pub(super) const POINTS: usize = 8;
+
+/// Sixteen cones of each of some points.
+pub(super) struct Group<'a> {
+    pub(super) octree: &'a Octree,
+    pub(super) plan: &'a MarchPlan,
+    /// Where to march from, at most [`POINTS`]; `None` for points that are left out.
+    pub(super) fans: &'a [Option<Fan>],
+    pub(super) axes: &'a LocalAxes,
+}
+
+/// What a march writes down; nothing in it is read before it is written.
+pub(super) struct Scratch {
+    asked: [Asked; POINTS],
+    axis: [[Lanes<f32>; 3]; POINTS],
+    samples: Samples,
+    found: [Found; POINTS],
+}
+
+impl Scratch {
+    pub(super) const fn new() -> Self {
+        Self {
+            asked: [const { Asked::new() }; POINTS],
+            axis: [[Lanes([0.0; LANES]); 3]; POINTS],
+            samples: Samples::new(),
+            found: [const { Found::new() }; POINTS],
         }
     }
-    passage.results(simd)
 }
 
-/// What the filters of some cones find on a level.
-#[inline(always)]
-fn look_up<S: Simd>(simd: S, places: &StoredPlaces, nodes: &Level, mut met: u32) -> Slopes {
-    let mut slopes = Slopes::new();
-    while met != 0 {
-        let lane = met.trailing_zeros() as usize % LANES;
-        met &= met - 1;
-        slopes.set(lane, &places.slope(simd, lane, nodes));
-    }
-    slopes
-}
-
-/// The lines on which sixteen cones are sampled, in leaves.
-struct Paths<S: Simd> {
-    apex: [f32x16<S>; 3],
-    normal: [f32x16<S>; 3],
-    axis: [f32x16<S>; 3],
-    /// Height over the tangent plane gained per length.
-    rise: f32x16<S>,
-}
-
-impl<S: Simd> Paths<S> {
+impl Group<'_> {
+    /// Marches the cones of all points; lanes without a cone, and points that are left out, are open.
     #[inline(always)]
-    fn new(simd: S, fan: &Fan, axes: &LocalAxes) -> Self {
-        let apex = splat(simd, fan.apex);
-        let normal = splat(simd, fan.normal);
-        let (fx, fy, fz) = (splat(simd, fan.frame.x), splat(simd, fan.frame.y), splat(simd, fan.frame.z));
-        let x = f32x16::from_slice(simd, &axes.components[0].0);
-        let y = f32x16::from_slice(simd, &axes.components[1].0);
-        let z = f32x16::from_slice(simd, &axes.components[2].0);
-        // Products and sums apart, never fused, in the order of `Frame::to_world`: the same bits at every level.
-        let axis_x = fx[0] * x + fy[0] * y + fz[0] * z;
-        let axis_y = fx[1] * x + fy[1] * y + fz[1] * z;
-        let axis_z = fx[2] * x + fy[2] * y + fz[2] * z;
-        let rise = normal[0] * axis_x + normal[1] * axis_y + normal[2] * axis_z;
-        Self { apex, normal, axis: [axis_x, axis_y, axis_z], rise }
+    pub(super) fn march<S: Simd>(
+        &self,
+        simd: S,
+        scratch: &mut Scratch,
+        results: &mut [[ConeResult; LANES]; POINTS],
+    ) {
+        // Loops in place of closures, which do not always become part of code for a level of SIMD.
+        let mut active = [0; POINTS];
+        let mut paths = [Paths::new(simd, &Fan::NOWHERE, self.axes); POINTS];
+        let mut passages = [Passage::open(simd); POINTS];
+        let count = self.fans.len().min(POINTS);
+        for p in 0..count {
+            if let Some(fan) = &self.fans[p] {
+                active[p] = self.axes.all;
+                paths[p] = Paths::new(simd, fan, self.axes);
+                scratch.axis[p] = store(&paths[p].axis);
+            }
+        }
+        for part in &self.plan.parts {
+            let (steps, coarser) = (&self.plan.steps[part.steps.clone()], &self.octree.levels[part.coarse]);
+            for (asked, paths) in scratch.asked.iter_mut().zip(&paths).take(count) {
+                asked.place(simd, coarser, part.coarse, steps, paths);
+            }
+            for asked in scratch.asked.iter_mut().take(count) {
+                asked.read(coarser, steps.len());
+            }
+            for asked in scratch.asked.iter_mut().take(count) {
+                asked.test(simd, steps.len());
+            }
+            self.look_up(simd, part, &active, scratch);
+            for p in 0..POINTS {
+                for (k, step) in steps.iter().enumerate() {
+                    let met = scratch.asked[p].met[k] & active[p];
+                    if met != 0 {
+                        let (index, found) = (part.steps.start + k, &scratch.found[p]);
+                        active[p] &= !passages[p].add(simd, index, step, found, k, met);
+                    }
+                }
+            }
+            if active == [0; POINTS] {
+                break;
+            }
+        }
+        for p in 0..POINTS {
+            passages[p].store(simd, &mut results[p]);
+        }
     }
 
-    /// Where the cones are sampled at a step: [`Step::position`], sixteen times.
+    /// Looks up what the `active` cones meet in a part.
     #[inline(always)]
-    fn at(&self, simd: S, step: &Step) -> [f32x16<S>; 3] {
-        let middle = f32x16::splat(simd, step.middle);
-        let lift = (f32x16::splat(simd, step.lift) - middle * self.rise).max(f32x16::splat(simd, 0.0));
-        [
-            self.apex[0] + self.axis[0] * middle + self.normal[0] * lift,
-            self.apex[1] + self.axis[1] * middle + self.normal[1] * lift,
-            self.apex[2] + self.axis[2] * middle + self.normal[2] * lift,
-        ]
+    fn look_up<S: Simd>(&self, simd: S, part: &Part, active: &[u32; POINTS], scratch: &mut Scratch) {
+        let Scratch { asked, axis, samples, found } = scratch;
+        let steps = &self.plan.steps[part.steps.clone()];
+        for p in 0..POINTS {
+            for (k, step) in steps.iter().enumerate() {
+                for lane in Bits(asked[p].met[k] & active[p]) {
+                    if samples.add(step, (p, k, lane), &asked[p].at[k], &axis[p]) {
+                        samples.look_up(simd, self.octree, part, found);
+                    }
+                }
+            }
+        }
+        samples.look_up(simd, self.octree, part, found);
     }
-}
-
-#[inline(always)]
-fn splat<S: Simd>(simd: S, v: Vec3) -> [f32x16<S>; 3] {
-    [f32x16::splat(simd, v.x), f32x16::splat(simd, v.y), f32x16::splat(simd, v.z)]
-}
-
-/// Bits of the places at which the filter meets an occupied node.
-#[inline(always)]
-fn met<S: Simd>(simd: S, level: &Level, place: &[u32x16<S>; 3]) -> u32 {
-    // Rounding may put a position just inside the cube one place too far; what is there is not missed by stepping back.
-    let side = u32x16::splat(simd, level.side);
-    let (x, y, z) = (place[0].min(side), place[1].min(side), place[2].min(side));
-    let across = u32x16::splat(simd, level.table.across);
-    let (one, three) = (u32x16::splat(simd, 1), u32x16::splat(simd, 3));
-    let seven = u32x16::splat(simd, 7);
-    let index = (((z >> 3) + one) * across + (y >> 3) + one) * across + (x >> 3) + one;
-    let word = ((z & seven) << 1) + ((y >> 2) & one);
-    let bit = ((y & three) << 3) | (x & seven);
-    let (mut blocks, mut words) = (Lanes([0u32; LANES]), Lanes([0u32; LANES]));
-    index.store_slice(&mut blocks.0);
-    word.store_slice(&mut words.0);
-    // Through memory, where sixteen reads find their places and leave their words at once: the compiler would take the
-    // registers apart and put them together lane by lane, at more than twice the time.
-    let (blocks, words) = (black_box(&blocks), black_box(&words));
-    let mut found = Lanes([0u32; LANES]);
-    for lane in 0..LANES {
-        let number = level.table.numbers[blocks.0[lane] as usize] as usize;
-        found.0[lane] = level.filter.blocks[number][words.0[lane] as usize % BLOCK_WORDS];
-    }
-    let set = (u32x16::from_slice(simd, &black_box(&found).0) >> bit) & one;
-    set.simd_eq(one).to_bitmask() as u32
 }

@@ -1,17 +1,11 @@
 //! How what sixteen cones meet composes: `compose.rs`, side by side and in the same order.
 
-use super::{
-    lanes::{LANES, Lanes},
-    slopes::WideSlope,
-};
-use crate::{
-    ConeResult,
-    compose::{CLEAR_CHANGE, CLOSED, UNKNOWN_SHARE},
-    steps::Step,
-};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use super::{lanes::store, samples::Found};
+use crate::{ConeResult, compose::CLOSED, steps::Step};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 /// What sixteen cones have met so far: `Composition`.
+#[derive(Clone, Copy)]
 pub(super) struct Passage<S: Simd> {
     now: f32x16<S>,
     /// What passed after the last step, and after the one before.
@@ -29,16 +23,16 @@ impl<S: Simd> Passage<S> {
         Self { now: one, before: [one; 2], closed: zero, error: zero, next: 0 }
     }
 
-    /// Adds step number `index`, at which cones that meet nothing have a slope of zero; bits of those of the cones in `met` that
-    /// are closed now.
+    /// Adds step number `index`, number `k` of its part, at which the cones in `met` found something; bits of those of them
+    /// that are closed now.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
         simd: S,
         index: usize,
         step: &Step,
-        slope: &WideSlope<S>,
-        axis: &[f32x16<S>; 3],
+        found: &Found,
+        k: usize,
         met: u32,
     ) -> u32 {
         if index > self.next {
@@ -47,55 +41,31 @@ impl<S: Simd> Passage<S> {
         self.next = index + 1;
         let falloff = f32x16::splat(simd, step.falloff);
         let in_nodes = f32x16::splat(simd, step.length / step.node);
-        self.error += self.now * slope.sd * in_nodes * falloff;
-        let less = (blocked(simd, step, slope, axis) * self.before[1]).min(self.now);
+        // What was written for other cones is of another part, or of cones that closed meanwhile.
+        let (counts, zero) = (mask32x16::from_bitmask(simd, u64::from(met)), f32x16::splat(simd, 0.0));
+        let sd = counts.select(f32x16::from_slice(simd, &found.sd[k].0), zero);
+        let blocked = counts.select(f32x16::from_slice(simd, &found.blocked[k].0), zero);
+        self.error += self.now * sd * in_nodes * falloff;
+        let less = (blocked * self.before[1]).min(self.now);
         self.now -= less;
         self.before = [self.now, self.before[0]];
         self.closed += less * falloff;
         let closed = self.now.simd_lt(f32x16::splat(simd, CLOSED)).to_bitmask() as u32 & met;
         if closed != 0 {
-            self.close(simd, closed, falloff);
+            // The rest counts as closed; nothing is added to the others, 0 times a number.
+            let (one, which) = (f32x16::splat(simd, 1.0), mask32x16::from_bitmask(simd, u64::from(closed)));
+            self.closed += self.now * falloff * which.select(one, zero);
         }
         closed
     }
 
-    /// Counts the rest of some cones as closed.
-    #[inline(always)]
-    fn close(&mut self, simd: S, closed: u32, falloff: f32x16<S>) {
-        let mut which = Lanes([0.0; LANES]);
-        for (lane, which) in which.0.iter_mut().enumerate() {
-            *which = if closed >> lane & 1 == 1 { 1.0 } else { 0.0 };
-        }
-        // Nothing is added to the others: 0 times a number.
-        self.closed += self.now * falloff * f32x16::from_slice(simd, &which.0);
-    }
-
     /// Visibility and error of each.
     #[inline(always)]
-    pub(super) fn results(self, simd: S) -> [ConeResult; LANES] {
+    pub(super) fn store(self, simd: S, results: &mut [ConeResult]) {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let (mut visibility, mut error) = (Lanes([0.0; LANES]), Lanes([0.0; LANES]));
-        (one - self.closed).max(zero).min(one).store_slice(&mut visibility.0);
-        self.error.store_slice(&mut error.0);
-        let mut results = [ConeResult { visibility: 1.0, error: 0.0 }; LANES];
+        let [visibility, error] = store(&[(one - self.closed).max(zero).min(one), self.error]);
         for (result, (&visibility, &error)) in results.iter_mut().zip(visibility.0.iter().zip(&error.0)) {
             *result = ConeResult { visibility, error };
         }
-        results
     }
-}
-
-/// `blocked_by` and `met_share`, sixteen times.
-#[inline(always)]
-fn blocked<S: Simd>(simd: S, step: &Step, slope: &WideSlope<S>, axis: &[f32x16<S>; 3]) -> f32x16<S> {
-    let node = f32x16::splat(simd, step.node);
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let unknown = f32x16::splat(simd, UNKNOWN_SHARE);
-    let (x, y, z) = (slope.gradient[0] * node, slope.gradient[1] * node, slope.gradient[2] * node);
-    let largest = x.abs().max(y.abs()).max(z.abs());
-    let clear = (largest / (f32x16::splat(simd, CLEAR_CHANGE) * slope.mean)).min(one);
-    let dot = x * axis[0] + y * axis[1] + z * axis[2];
-    let known = clear * (dot.abs() / largest) + (one - clear) * unknown;
-    let share = largest.simd_le(zero).select(unknown, known);
-    slope.mean * f32x16::splat(simd, step.length) * share
 }
