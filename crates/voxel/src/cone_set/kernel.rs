@@ -1,7 +1,7 @@
 //! The march of the cones of some points, sixteen of each, that share their steps.
 
 use super::{
-    asked::Asked,
+    asked::{Asked, ask},
     lanes::{Bits, Fan, LANES, Lanes, LocalAxes, store},
     passage::Passage,
     paths::Paths,
@@ -67,15 +67,7 @@ impl Group<'_> {
         }
         for part in &self.plan.parts {
             let (steps, coarser) = (&self.plan.steps[part.steps.clone()], &self.octree.levels[part.coarse]);
-            for (asked, paths) in scratch.asked.iter_mut().zip(&paths).take(count) {
-                asked.place(simd, coarser, part.coarse, steps, paths);
-            }
-            for asked in scratch.asked.iter_mut().take(count) {
-                asked.read(coarser, steps.len());
-            }
-            for asked in scratch.asked.iter_mut().take(count) {
-                asked.test(simd, steps.len());
-            }
+            ask(simd, &mut scratch.asked[..count], coarser, part.coarse, steps, &paths[..count]);
             self.look_up(simd, part, &active, scratch);
             for p in 0..POINTS {
                 for (k, step) in steps.iter().enumerate() {

@@ -88,9 +88,10 @@ impl Filters {
             ((pz * across + py) * across + px).store_slice(&mut self.first.0);
             return;
         }
-        let (zero, one, seven) = (u32x16::splat(simd, 0), u32x16::splat(simd, 1), u32x16::splat(simd, 7));
+        let (zero, seven) = (u32x16::splat(simd, 0), u32x16::splat(simd, 7));
         let across = u32x16::splat(simd, level.table.across);
-        let index = (((pz >> 3) + one) * across + (py >> 3) + one) * across + (px >> 3) + one;
+        let first = u32x16::splat(simd, level.table.index(UVec3::ZERO) as u32);
+        let index = ((pz >> 3) * across + (py >> 3)) * across + (px >> 3) + first;
         index.store_slice(&mut self.index.0);
         let (local_x, local_y, local_z) = (px & seven, py & seven, pz & seven);
         let first = (((local_z << 3) + local_y) << 3) + local_x - u32x16::splat(simd, 1 + 8 + 64);
