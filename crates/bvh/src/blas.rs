@@ -1,12 +1,11 @@
 //! A bottom level: a tree over triangles, each leaf a packet.
 
 use crate::collapse::LeafRule;
-use crate::packet::{Packet, PacketIds, PlacedTriangle, TriangleId};
+use crate::packet::{Packet, PacketIds, PlacedTriangle};
 use crate::refine::build_wide;
 use crate::wide::WideTree;
 use conray_core::Bounds;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// A leaf holds one packet. Its cost is that of setting the packet up for a bundle; a triangle more in it costs nothing. Groups
 /// of one trace no faster than of four and take twice as long to build.
@@ -28,26 +27,22 @@ pub(crate) struct TriangleTree {
 impl TriangleTree {
     pub(crate) fn build(triangles: &[PlacedTriangle]) -> Self {
         let boxes: Vec<Bounds> = triangles.par_iter().map(|t| Bounds::of_points(t.corners)).collect();
-        // The leaves first, in order; their packets then in parallel.
-        let (mut order, mut leaves) = (Vec::with_capacity(triangles.len()), Vec::new());
-        let tree = build_wide(&boxes, LEAF_RULE, |items| {
-            leaves.push(order.len()..order.len() + items.len());
-            order.extend_from_slice(items);
-            leaves.len() as u32 - 1
-        });
+        let (tree, leaves) = build_wide(&boxes, LEAF_RULE);
         drop(boxes);
-        let triangle = |lane: usize, leaf: &Range<usize>| triangles[order[leaf.start + lane] as usize];
-        let packets = leaves
-            .par_iter()
-            .map(|leaf| Packet::new(leaf.len(), |lane| triangle(lane, leaf).corners))
-            .collect();
-        let id = |lane: usize, leaf: &Range<usize>| {
-            if lane < leaf.len() { triangle(lane, leaf).id } else { TriangleId::default() }
+        let of_leaf = |leaf: usize| {
+            let items = leaves.get(leaf);
+            let triangle = |lane: usize| &triangles[items[lane] as usize];
+            let packet = Packet::new(items.len(), |lane| triangle(lane).corners);
+            let mut ids = PacketIds::default();
+            let mut opaque = 0;
+            for (lane, id) in ids.iter_mut().enumerate().take(items.len()) {
+                *id = triangle(lane).id;
+                opaque |= u16::from(id.is_opaque()) << lane;
+            }
+            (packet, (ids, opaque))
         };
-        let ids: Vec<PacketIds> =
-            leaves.par_iter().map(|leaf| std::array::from_fn(|lane| id(lane, leaf))).collect();
-        let bit = |(lane, id): (usize, &TriangleId)| u16::from(id.is_opaque()) << lane;
-        let opaque = ids.iter().map(|ids| ids.iter().enumerate().map(bit).sum()).collect();
+        let (packets, (ids, opaque)): (Vec<_>, (Vec<_>, Vec<_>)) =
+            (0..leaves.len()).into_par_iter().map(of_leaf).unzip();
         Self { tree, packets, ids, opaque, triangles: triangles.len() as u64 }
     }
 

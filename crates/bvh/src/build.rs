@@ -10,6 +10,7 @@ use crate::top::{Placed, TopLevel};
 use conray_core::{Affine3A, Bounds, Geometry, Opacity, TriangleMesh};
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use thiserror::Error;
 
 /// Why no hierarchy can be built.
@@ -77,20 +78,10 @@ pub(crate) fn build(geometry: Arc<Geometry>) -> Result<Bvh, BvhError> {
         .collect();
     let (placed, singular) = place(&geometry, &plan, &instanced, &trees);
 
-    let mut flat = Vec::with_capacity(plan.flat_triangles(&geometry));
-    for (i, instance) in geometry.instances().iter().enumerate() {
-        let m = instance.mesh as usize;
-        if plan.is_flat(m) || singular.contains(&(i as u32)) {
-            let opaque = blocking[m] == Blocking::Fully;
-            flat.append(&mut triangles_of(
-                &geometry.meshes()[m],
-                Some(&instance.world_from_mesh),
-                i as u32,
-                opaque,
-            ));
-        }
-    }
-    let flat = TriangleTree::build(&flat);
+    let is_flat =
+        |&i: &u32| plan.is_flat(geometry.instances()[i as usize].mesh as usize) || singular.contains(&i);
+    let flat: Vec<u32> = (0..geometry.instances().len() as u32).filter(is_flat).collect();
+    let flat = TriangleTree::build(&flattened(&geometry, &flat, &blocking));
     let top = TopLevel::build(&placed, &trees);
     Ok(Bvh::from_levels(geometry, flat, trees, top))
 }
@@ -111,15 +102,6 @@ impl Plan {
             occludes.then_some(uses[m] == 1 || uses[m] * triangles <= FLAT_TRIANGLES)
         };
         Self { flat: geometry.meshes().iter().enumerate().map(decide).collect() }
-    }
-
-    /// How many triangles are flattened, those of singular placements apart.
-    fn flat_triangles(&self, geometry: &Geometry) -> usize {
-        let of = |instance: &conray_core::Instance| {
-            let mesh = instance.mesh as usize;
-            if self.is_flat(mesh) { geometry.meshes()[mesh].triangles().len() } else { 0 }
-        };
-        geometry.instances().iter().map(of).sum()
     }
 
     fn is_flat(&self, mesh: usize) -> bool {
@@ -164,6 +146,42 @@ fn place(
         placed.push(Placed { instance: i, tree: tree as u32, world_from_mesh, mesh_space });
     }
     (placed, singular)
+}
+
+/// The triangles of some instances that have three corners, in the world.
+fn flattened(geometry: &Geometry, instances: &[u32], blocking: &[Blocking]) -> Vec<PlacedTriangle> {
+    // How many triangles there are up to each instance, itself included.
+    let ends: Vec<usize> = instances
+        .iter()
+        .scan(0, |end, &i| {
+            let mesh = geometry.instances()[i as usize].mesh as usize;
+            *end += geometry.meshes()[mesh].triangles().len();
+            Some(*end)
+        })
+        .collect();
+    let is_any_without = AtomicBool::new(false);
+    let placed = |number: usize| {
+        let part = ends.partition_point(|&end| end <= number);
+        let first = if part == 0 { 0 } else { ends[part - 1] };
+        let instance = &geometry.instances()[instances[part] as usize];
+        let mesh = instance.mesh as usize;
+        let corners = geometry.meshes()[mesh].corners(number - first);
+        let corners = corners.map(|p| world_corner(&instance.world_from_mesh, p));
+        let opaque = blocking[mesh] == Blocking::Fully;
+        let id = TriangleId::new(instances[part], (number - first) as u32, opaque);
+        let triangle = PlacedTriangle { corners, id };
+        if !triangle.has_three_corners() {
+            is_any_without.store(true, Relaxed);
+        }
+        triangle
+    };
+    // One place for each, so that threads write where the triangles stay; few scenes have any to leave out.
+    let total = ends.last().map_or(0, |&end| end);
+    let mut triangles: Vec<_> = (0..total).into_par_iter().map(placed).collect();
+    if is_any_without.into_inner() {
+        triangles.retain(PlacedTriangle::has_three_corners);
+    }
+    triangles
 }
 
 /// The triangles of a mesh that have three corners, in the world or, without a transform, in the mesh's space.

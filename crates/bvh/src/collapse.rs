@@ -127,13 +127,8 @@ impl<'a> Collapse<'a> {
         (children, count)
     }
 
-    /// Items of the leaves below a node, in order.
-    pub(crate) fn items_below(&self, node: u32, items: &mut Vec<u32>) {
-        items.clear();
-        self.add_items_below(node, items);
-    }
-
-    fn add_items_below(&self, node: u32, items: &mut Vec<u32>) {
+    /// Adds the items of the leaves below a node, in order.
+    pub(crate) fn add_items_below(&self, node: u32, items: &mut Vec<u32>) {
         let node = &self.binary.nodes[node as usize];
         if node.is_leaf() {
             items.extend(self.binary.items(node));
@@ -150,15 +145,16 @@ fn all_as_one(kind: u64) -> Choices {
 }
 
 /// For 2 to 16 slots the least sum of two subtrees' costs, and how many slots the first then has.
-fn distributed(left: &[f32; WIDTH], right: &[f32; WIDTH]) -> ([f32; WIDTH], [u8; WIDTH]) {
+fn distributed(left: &[f32; WIDTH], right: &[f32; WIDTH]) -> ([f32; WIDTH], [u32; WIDTH]) {
     let (mut costs, mut firsts) = ([f32::INFINITY; WIDTH], [0; WIDTH]);
     for first in 1..WIDTH {
-        for second in 1..=WIDTH - first {
-            let slots = first + second;
-            let cost = left[first - 1] + right[second - 1];
-            if cost < costs[slots - 1] {
-                (costs[slots - 1], firsts[slots - 1]) = (cost, first as u8);
-            }
+        // Without branches and in numbers of one width, so that the compiler takes several at once.
+        let best = costs[first..].iter_mut().zip(&mut firsts[first..]);
+        for ((least, chosen), right) in best.zip(right) {
+            let cost = left[first - 1] + right;
+            let is_less = cost < *least;
+            *least = if is_less { cost } else { *least };
+            *chosen = if is_less { first as u32 } else { *chosen };
         }
     }
     (costs, firsts)

@@ -6,8 +6,8 @@ use fearless_simd::{Simd, prelude::*, u32x16};
 
 /// What a child slot refers to: an inner node, a leaf of one to sixteen items, or nothing.
 ///
-/// Bit 31 marks a leaf; then bits 27 to 30 hold the number of items less one and bits 0 to 26 where they are (for
-/// triangles: their packet).
+/// Bit 31 marks a leaf; then bits 27 to 30 hold the number of items less one and bits 0 to 26 the leaf's number: that of its
+/// packet for triangles, and that of its only item for placements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Child(u32);
@@ -17,7 +17,7 @@ pub(crate) struct Child(u32);
 pub(crate) enum ChildKind {
     /// Index of another node.
     Inner(u32),
-    /// Where the items are, and how many.
+    /// Number of the leaf, and how many items it has.
     Leaf(u32, u32),
 }
 
@@ -39,6 +39,15 @@ impl Child {
     pub(crate) fn leaf(first: u32, items: u32) -> Self {
         debug_assert!(first <= Self::MAX_FIRST && (1..=Self::MAX_ITEMS).contains(&items));
         Self(Self::LEAF | (items - 1) << 27 | first)
+    }
+
+    /// The same among nodes and leaves that come after so many others.
+    pub(crate) fn moved(self, nodes: u32, leaves: u32) -> Self {
+        match self.kind() {
+            _ if self == Self::EMPTY => self,
+            ChildKind::Inner(node) => Self::inner(node + nodes),
+            ChildKind::Leaf(first, items) => Self::leaf(first + leaves, items),
+        }
     }
 
     /// Of an inner node, its index.
@@ -115,8 +124,11 @@ mod tests {
                 let child = Child::leaf(first, items);
                 assert_eq!(child.kind(), ChildKind::Leaf(first, items));
                 assert_ne!(child, Child::EMPTY);
+                assert_eq!(Child::leaf(0, items).moved(7, first), child);
             }
             assert_eq!(Child::inner(first).kind(), ChildKind::Inner(first));
+            assert_eq!(Child::inner(0).moved(first, 7), Child::inner(first));
+            assert_eq!(Child::EMPTY.moved(first, first), Child::EMPTY);
         }
     }
 }

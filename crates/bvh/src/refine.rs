@@ -6,11 +6,12 @@
 
 use crate::binary::BinaryTree;
 use crate::collapse::LeafRule;
-use crate::wide::WideTree;
+use crate::wide::{Leaves, WideTree};
 use conray_core::Bounds;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use rayon::{join, prelude::*};
 
 /// Share of the nodes, the largest ones, that each pass tries to move to a better place. Chosen on Crytek Sponza: twice
 /// as many save no further steps worth the time.
@@ -21,17 +22,19 @@ const MAX_CROWDING: f64 = 1000.0;
 /// Reinsertion may make a tree deeper without bound; one deeper than this is dropped for the one it came from, since what
 /// follows goes down by recursion.
 const MOST_LEVELS: usize = 400;
+/// Levels whose halves are shared out among threads where all nodes are visited.
+const SHARED_LEVELS: u32 = 6;
 /// Fewer nodes are not worth the trouble.
 const MIN_NODES: usize = 32;
 
-/// Builds the tree; see [`WideTree::new`] for `emit`.
-pub(crate) fn build_wide(boxes: &[Bounds], rule: LeafRule, emit: impl FnMut(&[u32]) -> u32) -> WideTree {
+/// Builds the tree; see [`WideTree::new`].
+pub(crate) fn build_wide(boxes: &[Bounds], rule: LeafRule) -> (WideTree, Leaves) {
     let mut tree = BinaryTree::build(boxes, rule.group);
     tree.nodes = reinsert(tree.nodes);
     if depth(&tree.nodes) > MOST_LEVELS {
         tree = BinaryTree::build(boxes, rule.group);
     }
-    WideTree::new(&tree, boxes, rule, emit)
+    WideTree::new(&tree, boxes, rule)
 }
 
 fn reinsert(nodes: Vec<Bvh2Node>) -> Vec<Bvh2Node> {
@@ -57,8 +60,21 @@ fn crowding(nodes: &[Bvh2Node]) -> f64 {
     if sum > 0.0 { sum / area(&nodes[0]) } else { f64::INFINITY }
 }
 
+/// Levels of nodes.
 fn depth(nodes: &[Bvh2Node]) -> usize {
-    let (mut deepest, mut stack) = (0, if nodes.is_empty() { vec![] } else { vec![(0u32, 1)] });
+    if nodes.is_empty() { 0 } else { depth_below(nodes, 0, SHARED_LEVELS) }
+}
+
+/// Levels of nodes from one down; the halves of the uppermost are shared out among threads.
+fn depth_below(nodes: &[Bvh2Node], top: u32, shared_levels: u32) -> usize {
+    let node = &nodes[top as usize];
+    if shared_levels > 0 && !node.is_leaf() {
+        let below = |child: u32| depth_below(nodes, child, shared_levels - 1);
+        let (left, right) = join(|| below(node.first_index), || below(node.first_index + 1));
+        return 1 + left.max(right);
+    }
+    // A list in place of recursion: the tree may be deep.
+    let (mut deepest, mut stack) = (0, vec![(top, 1)]);
     while let Some((n, depth)) = stack.pop() {
         let node = &nodes[n as usize];
         deepest = deepest.max(depth);
@@ -71,8 +87,8 @@ fn depth(nodes: &[Bvh2Node]) -> usize {
 
 /// The `count` nodes of largest area but for the root, by area and then by number.
 fn largest(nodes: &[Bvh2Node], count: usize) -> Vec<u32> {
-    let mut keys: Vec<(f32, u32)> =
-        (1..).zip(&nodes[1..]).map(|(i, node): (u32, _)| (node.aabb().half_area(), i)).collect();
+    let key = |i: u32| (nodes[i as usize].aabb().half_area(), i);
+    let mut keys: Vec<(f32, u32)> = (1..nodes.len() as u32).into_par_iter().map(key).collect();
     let by_area = |a: &(f32, u32), b: &(f32, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     let count = count.clamp(1, keys.len());
     if count < keys.len() {

@@ -36,13 +36,10 @@ impl TopLevel {
     pub(crate) fn build(placed: &[Placed], trees: &[TriangleTree]) -> Self {
         let boxes: Vec<Bounds> =
             placed.iter().map(|p| world_bounds(p, &trees[p.tree as usize].tree)).collect();
-        let mut ordered = Vec::with_capacity(placed.len());
-        let tree = build_wide(&boxes, LEAF_RULE, |items| {
-            let first = ordered.len() as u32;
-            ordered.extend(items.iter().map(|&i| placed[i as usize].clone()));
-            first
-        });
-        Self { tree, placed: ordered }
+        let (tree, leaves) = build_wide(&boxes, LEAF_RULE);
+        let items = (0..leaves.len()).flat_map(|leaf| leaves.get(leaf));
+        let placed = items.map(|&i| placed[i as usize].clone()).collect();
+        Self { tree, placed }
     }
 
     /// Bytes held.

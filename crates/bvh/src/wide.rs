@@ -2,8 +2,10 @@
 
 use crate::binary::BinaryTree;
 use crate::collapse::{Collapse, LeafRule};
+use crate::lanes::WIDTH;
 use crate::node::{Child, ChildKind, Node};
 use conray_core::Bounds;
+use rayon::prelude::*;
 
 /// A sixteen-wide tree. Node 0 is the root; there are no nodes where there are no items.
 #[derive(Clone, Debug)]
@@ -17,66 +19,55 @@ pub(crate) struct WideTree {
     pub(crate) stack_entries: usize,
 }
 
-impl WideTree {
-    /// Makes the wide tree over `boxes` from their two-way tree. `emit` stores the items of a leaf side by side and
-    /// returns where the first of them went.
-    pub(crate) fn new(
-        binary: &BinaryTree,
-        boxes: &[Bounds],
-        rule: LeafRule,
-        mut emit: impl FnMut(&[u32]) -> u32,
-    ) -> Self {
-        let mut tree = Self { nodes: Vec::new(), bounds: Bounds::EMPTY, levels: 0, stack_entries: 0 };
-        if binary.nodes.is_empty() {
-            return tree;
-        }
-        let collapse = Collapse::new(binary, rule);
-        tree.nodes.reserve(boxes.len() / 64);
-        let mut items = Vec::with_capacity(rule.max_items as usize);
-        tree.bounds = tree.add(&collapse, boxes, 0, (1, 0), &mut items, &mut emit);
-        tree
+/// The items of all leaves, one leaf after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Leaves {
+    items: Vec<u32>,
+    /// Where each leaf's items end.
+    ends: Vec<u32>,
+}
+
+impl Leaves {
+    /// How many leaves there are.
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
     }
 
-    /// Adds the wide node made from a two-way one, and all below it, which follow it in memory. Returns their box.
-    fn add(
-        &mut self,
-        collapse: &Collapse<'_>,
-        boxes: &[Bounds],
-        node: u32,
-        (level, stacked): (u32, usize),
-        items: &mut Vec<u32>,
-        emit: &mut impl FnMut(&[u32]) -> u32,
-    ) -> Bounds {
-        let index = self.nodes.len();
-        self.nodes.push(Node::UNUSED);
-        let (mut children, count) = collapse.open(node);
-        // Bundles test leaves from the first slot on and put nodes on a stack, so that they visit the last first: in each
-        // way the largest, which is likeliest to block.
-        children[..count].sort_by(|&a, &b| {
-            let by_area = collapse.area(a).total_cmp(&collapse.area(b)).then(a.cmp(&b));
-            match (collapse.is_leaf(a), collapse.is_leaf(b)) {
-                (true, true) => by_area.reverse(),
-                (false, false) => by_area,
-                (a_is_leaf, b_is_leaf) => a_is_leaf.cmp(&b_is_leaf),
-            }
-        });
-        self.levels = self.levels.max(level);
-        self.stack_entries = self.stack_entries.max(stacked + count);
-        let mut all = Bounds::EMPTY;
-        for (slot, &child) in children[..count].iter().enumerate() {
-            let (bounds, child) = if collapse.is_leaf(child) {
-                collapse.items_below(child, items);
-                let bounds = items.iter().fold(Bounds::EMPTY, |all, &i| all.union(boxes[i as usize]));
-                (bounds, Child::leaf(emit(items), items.len() as u32))
-            } else {
-                let next = Child::inner(self.nodes.len() as u32);
-                let below = (level + 1, stacked + count - 1);
-                (self.add(collapse, boxes, child, below, items, emit), next)
-            };
-            self.nodes[index].set(slot, &bounds, child);
-            all = all.union(bounds);
+    /// Items of a leaf.
+    pub(crate) fn get(&self, leaf: usize) -> &[u32] {
+        let start = if leaf == 0 { 0 } else { self.ends[leaf - 1] };
+        &self.items[start as usize..self.ends[leaf] as usize]
+    }
+
+    /// Adds a leaf of what `collect` adds to the items.
+    fn push(&mut self, collect: impl FnOnce(&mut Vec<u32>)) -> u32 {
+        collect(&mut self.items);
+        self.ends.push(self.items.len() as u32);
+        self.ends.len() as u32 - 1
+    }
+
+    fn append(&mut self, other: Self) {
+        let before = self.items.len() as u32;
+        self.items.extend(other.items);
+        self.ends.extend(other.ends.into_iter().map(|end| end + before));
+    }
+}
+
+/// Levels of wide nodes whose children are shared out among threads.
+const SHARED_LEVELS: u32 = 2;
+
+impl WideTree {
+    /// Makes the wide tree over `boxes` from their two-way tree, and says what is in its leaves, which it knows by number.
+    pub(crate) fn new(binary: &BinaryTree, boxes: &[Bounds], rule: LeafRule) -> (Self, Leaves) {
+        if binary.nodes.is_empty() {
+            let tree = Self { nodes: Vec::new(), bounds: Bounds::EMPTY, levels: 0, stack_entries: 0 };
+            return (tree, Leaves::default());
         }
-        all
+        let collapse = Collapse::new(binary, rule);
+        let mut part = Part { nodes: Vec::new(), leaves: Leaves::default() };
+        let found = Widening { collapse, boxes }.add(&mut part, 0, SHARED_LEVELS);
+        let Found { bounds, levels, stack_entries } = found;
+        (Self { nodes: part.nodes, bounds, levels, stack_entries }, part.leaves)
     }
 
     /// Bytes held.
@@ -126,6 +117,98 @@ impl WideTree {
     }
 }
 
+/// Nodes and leaves of a part of the tree, by numbers of its own.
+struct Part {
+    nodes: Vec<Node>,
+    leaves: Leaves,
+}
+
+/// What a node and all below it take.
+struct Found {
+    bounds: Bounds,
+    levels: u32,
+    stack_entries: usize,
+}
+
+impl Part {
+    /// Adds another part, which then comes last.
+    fn append(&mut self, other: Self) {
+        let (nodes, leaves) = (self.nodes.len() as u32, self.leaves.len() as u32);
+        let moved = |mut node: Node| {
+            node.children.iter_mut().for_each(|child| *child = child.moved(nodes, leaves));
+            node
+        };
+        self.nodes.extend(other.nodes.into_iter().map(moved));
+        self.leaves.append(other.leaves);
+    }
+}
+
+struct Widening<'a> {
+    collapse: Collapse<'a>,
+    boxes: &'a [Bounds],
+}
+
+impl Widening<'_> {
+    /// Adds the wide node made from a two-way one, and all below it, which follow it in memory in the order of its slots. The
+    /// same for any number of threads.
+    fn add(&self, part: &mut Part, node: u32, shared_levels: u32) -> Found {
+        let index = part.nodes.len();
+        part.nodes.push(Node::UNUSED);
+        let (children, count) = self.children(node);
+        let children = &children[..count];
+        let mut apart: Vec<Option<(Part, Found)>> = Vec::new();
+        if shared_levels > 0 {
+            let below = |&child: &u32| {
+                let mut part = Part { nodes: Vec::new(), leaves: Leaves::default() };
+                let is_node = !self.collapse.is_leaf(child);
+                is_node.then(|| self.add(&mut part, child, shared_levels - 1)).map(|found| (part, found))
+            };
+            children.par_iter().map(below).collect_into_vec(&mut apart);
+        }
+        let mut all = Found { bounds: Bounds::EMPTY, levels: 1, stack_entries: count };
+        for (slot, &child) in children.iter().enumerate() {
+            let (bounds, child) = if self.collapse.is_leaf(child) {
+                let leaf = part.leaves.push(|items| self.collapse.add_items_below(child, items));
+                let items = part.leaves.get(leaf as usize);
+                let bounds = items.iter().fold(Bounds::EMPTY, |all, &i| all.union(self.boxes[i as usize]));
+                (bounds, Child::leaf(leaf, items.len() as u32))
+            } else {
+                let next = Child::inner(part.nodes.len() as u32);
+                let found = match apart.get_mut(slot).and_then(Option::take) {
+                    Some((below, found)) => {
+                        part.append(below);
+                        found
+                    }
+                    None => self.add(part, child, 0),
+                };
+                all.levels = all.levels.max(found.levels + 1);
+                all.stack_entries = all.stack_entries.max(count - 1 + found.stack_entries);
+                (found.bounds, next)
+            };
+            part.nodes[index].set(slot, &bounds, child);
+            all.bounds = all.bounds.union(bounds);
+        }
+        all
+    }
+
+    /// What the slots of the wide node made from a two-way one hold.
+    fn children(&self, node: u32) -> ([u32; WIDTH], usize) {
+        let collapse = &self.collapse;
+        let (mut children, count) = collapse.open(node);
+        // Bundles test leaves from the first slot on and put nodes on a stack, so that they visit the last first: in each
+        // way the largest, which is likeliest to block.
+        children[..count].sort_by(|&a, &b| {
+            let by_area = collapse.area(a).total_cmp(&collapse.area(b)).then(a.cmp(&b));
+            match (collapse.is_leaf(a), collapse.is_leaf(b)) {
+                (true, true) => by_area.reverse(),
+                (false, false) => by_area,
+                (a_is_leaf, b_is_leaf) => a_is_leaf.cmp(&b_is_leaf),
+            }
+        });
+        (children, count)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,13 +216,8 @@ mod tests {
 
     const RULE: LeafRule = LeafRule { max_items: 8, group: 2, leaf_cost: 1.0, item_cost: 0.1 };
 
-    fn tree(boxes: &[Bounds]) -> (WideTree, Vec<u32>) {
-        let mut order = Vec::new();
-        let tree = WideTree::new(&BinaryTree::build(boxes, RULE.group), boxes, RULE, |items| {
-            order.extend_from_slice(items);
-            (order.len() - items.len()) as u32
-        });
-        (tree, order)
+    fn tree(boxes: &[Bounds]) -> (WideTree, Leaves) {
+        WideTree::new(&BinaryTree::build(boxes, RULE.group), boxes, RULE)
     }
 
     fn line(n: u32) -> Vec<Bounds> {
@@ -151,20 +229,34 @@ mod tests {
     fn trees_of_every_small_size_are_whole() {
         for n in 0..70 {
             let boxes = line(n);
-            let (tree, mut order) = tree(&boxes);
-            let mut seen = 0;
-            tree.check(|bounds, first, items| {
-                for &item in &order[first as usize..(first + items) as usize] {
-                    let inner = boxes[item as usize];
-                    assert_eq!(inner.union(*bounds), *bounds);
-                }
-                seen += items;
+            let (tree, leaves) = tree(&boxes);
+            let mut seen = vec![];
+            tree.check(|bounds, leaf, items| {
+                let found = leaves.get(leaf as usize);
+                assert_eq!(found.len(), items as usize);
+                assert!(found.iter().all(|&item| boxes[item as usize].union(*bounds) == *bounds));
+                seen.extend_from_slice(found);
                 Ok(())
             })
             .unwrap();
-            order.sort_unstable();
-            assert_eq!((seen, order), (n, (0..n).collect()));
+            seen.sort_unstable();
+            assert_eq!(seen, (0..n).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let boxes = line(60_000);
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (tree, leaves) = pool.install(|| tree(&boxes));
+            tree.check(|_, _, _| Ok(())).unwrap();
+            let children: Vec<_> = tree.nodes.iter().flat_map(|node| node.children).collect();
+            (children, leaves.items, leaves.ends, tree.levels, tree.stack_entries)
+        };
+        let one = build(1);
+        assert!(one.3 > SHARED_LEVELS + 1, "{} levels", one.3);
+        assert_eq!(one, build(3));
     }
 
     #[test]
