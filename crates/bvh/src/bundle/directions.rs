@@ -3,6 +3,7 @@
 use super::BUNDLE_RAYS;
 use crate::lanes::{Lanes, WIDTH};
 use conray_core::Vec3;
+use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// Groups of sixteen rays in a bundle.
 pub(super) const GROUPS: usize = BUNDLE_RAYS / WIDTH;
@@ -64,10 +65,20 @@ impl Directions {
     /// # Panics
     /// Where the number so far is no multiple of sixteen, or there is no room.
     #[inline(always)]
-    pub fn push_group(&mut self, axes: [[f32; WIDTH]; 3], count: usize) {
+    pub fn push_group<S: Simd>(&mut self, axes: &[f32x16<S>; 3], count: usize) {
         assert!(self.count.is_multiple_of(WIDTH) && (1..=WIDTH).contains(&count));
-        self.groups[self.count / WIDTH] = axes.map(Lanes);
+        let group = &mut self.groups[self.count / WIDTH];
+        for axis in 0..3 {
+            axes[axis].store_slice(&mut group[axis].0);
+        }
         self.count += count;
+    }
+
+    /// Sixteen of them, axis by axis; those past the last have any direction.
+    #[inline(always)]
+    pub fn group<S: Simd>(&self, simd: S, group: usize) -> [f32x16<S>; 3] {
+        let [x, y, z] = &self.groups[group];
+        [f32x16::from_slice(simd, &x.0), f32x16::from_slice(simd, &y.0), f32x16::from_slice(simd, &z.0)]
     }
 
     /// One of them.
@@ -81,8 +92,8 @@ impl Directions {
         Vec3::from_array([0, 1, 2].map(|axis| self.groups[group][axis].0[lane]))
     }
 
-    /// Groups in use.
-    pub(super) fn group_count(&self) -> usize {
+    /// Groups of sixteen in use.
+    pub fn group_count(&self) -> usize {
         self.count.div_ceil(WIDTH)
     }
 

@@ -3,6 +3,7 @@
 use crate::AoPlan;
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
 use conray_core::{Falloff, Frame, LANES, Ray, SurfacePoint, Vec3};
+use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 
 /// All that the rays of a point share.
 pub(crate) struct PointRays<'a> {
@@ -48,11 +49,8 @@ impl<'a> PointRays<'a> {
     #[inline]
     pub(crate) fn trace(&self, directions: &mut Directions, tally: &mut Tally) {
         let mut visible = [0.0; BUNDLE_RAYS];
-        let visible = &mut visible[..directions.len()];
-        self.visibilities(directions, visible);
-        for (index, &visible) in visible.iter().enumerate() {
-            tally.add(visible, directions.get(index));
-        }
+        self.visibilities(directions, &mut visible[..directions.len()]);
+        dispatch!(self.bvh.level(), simd => tally.add_bundle(simd, directions, &visible));
         directions.clear();
     }
 }
@@ -123,6 +121,26 @@ impl Tally {
         self.open += visibility * direction;
     }
 
+    /// Adds the rays of a bundle; what is past the last has visibility 0.
+    #[inline(always)]
+    fn add_bundle<S: Simd>(&mut self, simd: S, directions: &Directions, visible: &[f32; BUNDLE_RAYS]) {
+        let mut sums = [f32x16::splat(simd, 0.0); 5];
+        for (group, visible) in
+            visible.as_chunks::<LANES>().0.iter().enumerate().take(directions.group_count())
+        {
+            let (visible, [x, y, z]) = (f32x16::from_slice(simd, visible), directions.group(simd, group));
+            sums[0] += visible;
+            sums[1] += visible * visible;
+            sums[2] += visible * x;
+            sums[3] += visible * y;
+            sums[4] += visible * z;
+        }
+        self.rays += directions.len() as u32;
+        self.sum += total(sums[0]);
+        self.squares += total(sums[1]);
+        self.open += Vec3::new(total(sums[2]), total(sums[3]), total(sums[4]));
+    }
+
     /// Mean visibility; 0 without rays.
     pub(crate) fn mean(&self) -> f32 {
         self.sum / self.rays.max(1) as f32
@@ -138,4 +156,13 @@ impl Tally {
         let variance = ((self.squares + 1.0) / n - mean * mean).max(0.0);
         variance / self.rays.max(1) as f32
     }
+}
+
+/// Sum of the lanes, in halves, so that every level of SIMD adds in the same order.
+#[inline(always)]
+fn total<S: Simd>(lanes: f32x16<S>) -> f32 {
+    let (low, high) = lanes.split();
+    let (low, high) = (low + high).split();
+    let [a, b, c, d]: [f32; 4] = (low + high).into();
+    (a + b) + (c + d)
 }

@@ -1,6 +1,6 @@
 //! Samples sorted into bundles by the quarter of the square that they lie in.
 
-use super::squares::Sixteen;
+use super::squares::Drawn;
 use conray_bvh::{BUNDLE_RAYS, Directions};
 use conray_core::Vec3;
 
@@ -15,8 +15,8 @@ impl Quarters {
     }
 
     /// Adds the first `count` of sixteen samples; `trace` gets each bundle that is full, to empty it.
-    pub(super) fn push(&mut self, sixteen: &Sixteen, count: usize, mut trace: impl FnMut(&mut Directions)) {
-        let Sixteen { square: [u, v], world: [x, y, z] } = sixteen;
+    pub(super) fn push(&mut self, sixteen: &Drawn, count: usize, mut trace: impl FnMut(&mut Directions)) {
+        let Drawn { square: [u, v], world: [x, y, z] } = sixteen;
         for lane in 0..count {
             let quarter = usize::from(u[lane] >= 0.5) | usize::from(v[lane] >= 0.5) << 1;
             let bundle = &mut self.bundles[quarter];

@@ -5,7 +5,8 @@ use super::quarters::Quarters;
 use super::squares::Squares;
 use crate::AoPlan;
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
-use conray_core::{Estimate, LANES, SurfacePoint, hash_u32};
+use conray_core::{Estimate, Frame, LANES, SurfacePoint, hash_u32};
+use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
 /// The unbiased estimate by rays alone.
@@ -32,24 +33,31 @@ impl Rays<'_> {
     }
 
     fn trace(&self, rays: &PointRays<'_>, squares: &Squares) -> Tally {
-        let samples = self.samples.clone();
-        let sixteens = samples.clone().step_by(LANES).map(|first| {
-            let count = LANES.min((samples.end - first) as usize);
-            (squares.sixteen(self.bvh.level(), first, &rays.frame), count)
-        });
+        let (level, frame, samples) = (self.bvh.level(), &rays.frame, self.samples.clone());
         let mut tally = Tally::default();
         if samples.len() > BUNDLE_RAYS {
             // Bundles that look into a quarter of the hemisphere each share more of their way.
             let mut quarters = Quarters::new();
-            for (sixteen, count) in sixteens {
-                quarters.push(&sixteen, count, |bundle| rays.trace(bundle, &mut tally));
+            for first in samples.clone().step_by(LANES) {
+                let drawn = dispatch!(level, simd => squares.sixteen(simd, first, frame).stored());
+                let count = LANES.min((samples.end - first) as usize);
+                quarters.push(&drawn, count, |bundle| rays.trace(bundle, &mut tally));
             }
             quarters.finish(|bundle| rays.trace(bundle, &mut tally));
         } else {
             let mut bundle = Directions::new();
-            sixteens.for_each(|(sixteen, count)| bundle.push_group(sixteen.world, count));
+            dispatch!(level, simd => fill(simd, squares, samples, frame, &mut bundle));
             rays.trace(&mut bundle, &mut tally);
         }
         tally
+    }
+}
+
+/// Puts up to [`BUNDLE_RAYS`] samples into an empty bundle.
+#[inline(always)]
+fn fill<S: Simd>(simd: S, squares: &Squares, samples: Range<u32>, frame: &Frame, bundle: &mut Directions) {
+    for first in samples.clone().step_by(LANES) {
+        let count = LANES.min((samples.end - first) as usize);
+        bundle.push_group(&squares.sixteen(simd, first, frame).world, count);
     }
 }
