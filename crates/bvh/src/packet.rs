@@ -78,6 +78,9 @@ impl Packet {
     #[inline]
     pub(crate) fn lane(&self, lane: usize) -> [Vec3; 3] {
         let lane = lane & (WIDTH - 1);
-        [0, 1, 2].map(|corner| Vec3::from_array([0, 1, 2].map(|axis| self.corners[corner][axis].0[lane])))
+        // Written out: closures over arrays are not always made part of the caller.
+        let [a, b, c] = &self.corners;
+        let corner = |[x, y, z]: &[Lanes; 3]| Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
+        [corner(a), corner(b), corner(c)]
     }
 }

@@ -1,10 +1,11 @@
-//! All cones of a surface point at once: sixteen side by side.
+//! All cones of surface points at once: sixteen side by side, eight points together.
 //!
 //! The distances at which a cone is sampled depend on its aperture and not on what it meets. Cones of one aperture share
 //! them, so levels, node sizes and weights are the same for all and computed once for many points; the cones of a point
-//! differ in their positions only (`paths.rs`). A part of the march, steps on the same levels, is asked at once where the filter
-//! meets anything (`asked.rs`); most places do not. Samples that do are looked up sixteen at a time, whichever cones and steps
-//! they belong to (`samples.rs`, `nodes.rs`), and what they find composes cone by cone (`passage.rs`). `docs/profiles/cones.md` says where the time goes.
+//! differ in their positions only (`paths.rs`). A part of the march, steps on the same levels, is asked at once where the
+//! filter meets anything (`asked.rs`); most places do not. Samples that do are looked up sixteen at a time, whichever points,
+//! cones and steps they belong to (`samples.rs`, `nodes.rs`), and what they find composes cone by cone (`passage.rs`).
+//! `docs/profiles/cones.md` says where the time goes.
 //!
 //! The results are those of [`Octree::march_with`], bit for bit, at every level of SIMD.
 
@@ -87,7 +88,7 @@ impl ConeMarch<'_> {
     }
 
     /// Marches the cones of some surface points. `results`, for each point one for each cone, are what [`Octree::march_with`]
-    /// says of each. Four or more points at once take less time than one by one.
+    /// says of each. Eight points and more take less time each than one alone.
     ///
     /// # Panics
     /// If there are not as many results as cones of all points.

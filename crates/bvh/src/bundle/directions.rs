@@ -89,7 +89,8 @@ impl Directions {
     pub fn get(&self, index: usize) -> Vec3 {
         assert!(index < self.count);
         let (group, lane) = (index / WIDTH, index % WIDTH);
-        Vec3::from_array([0, 1, 2].map(|axis| self.groups[group][axis].0[lane]))
+        let [x, y, z] = &self.groups[group];
+        Vec3::new(x.0[lane], y.0[lane], z.0[lane])
     }
 
     /// Groups of sixteen in use.

@@ -25,7 +25,7 @@ pub(super) struct Group<'a> {
     pub(super) axes: &'a LocalAxes,
 }
 
-/// What a march writes down; nothing in it is read before it is written.
+/// What a march writes down. Lanes that nothing was written to may be read, but what comes of them counts for nothing.
 pub(super) struct Scratch {
     asked: [Asked; POINTS],
     axis: [[Lanes<f32>; 3]; POINTS],

@@ -33,11 +33,11 @@ const GROUPS: usize = 8;
 /// Samples that are to be looked up.
 pub(super) struct Samples {
     count: usize,
-    groups: [Group; GROUPS],
+    groups: [Sixteen; GROUPS],
 }
 
 /// Sixteen samples.
-struct Group {
+struct Sixteen {
     /// In nodes of the coarser level.
     at: [Lanes<f32>; 3],
     axis: [Lanes<f32>; 3],
@@ -52,7 +52,7 @@ struct Group {
 
 impl Samples {
     pub(super) const fn new() -> Self {
-        Self { count: 0, groups: [const { Group::new() }; GROUPS] }
+        Self { count: 0, groups: [const { Sixteen::new() }; GROUPS] }
     }
 
     /// Adds the sample of a cone at a step, with the number of its point, that of the step in its part and the cone's; true when
@@ -111,7 +111,7 @@ impl Samples {
     }
 }
 
-impl Group {
+impl Sixteen {
     const fn new() -> Self {
         let zero = Lanes([0.0; LANES]);
         Self {
