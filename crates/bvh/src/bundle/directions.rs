@@ -54,9 +54,8 @@ impl Directions {
     pub fn push(&mut self, direction: Vec3) {
         assert!(self.count < BUNDLE_RAYS, "a bundle holds {BUNDLE_RAYS} rays");
         let (group, lane) = (self.count / WIDTH, self.count % WIDTH);
-        for axis in 0..3 {
-            self.groups[group][axis].0[lane] = direction[axis];
-        }
+        let [x, y, z] = &mut self.groups[group];
+        (x.0[lane], y.0[lane], z.0[lane]) = (direction.x, direction.y, direction.z);
         self.count += 1;
     }
 

@@ -15,11 +15,10 @@ impl Quarters {
     }
 
     /// Adds the first `count` of sixteen samples; `trace` gets each bundle that is full, to empty it.
-    pub(super) fn push(&mut self, sixteen: &Drawn, count: usize, mut trace: impl FnMut(&mut Directions)) {
-        let Drawn { square: [u, v], world: [x, y, z] } = sixteen;
+    pub(super) fn push(&mut self, drawn: &Drawn, count: usize, mut trace: impl FnMut(&mut Directions)) {
+        let Drawn { quarter, world: [x, y, z] } = drawn;
         for lane in 0..count {
-            let quarter = usize::from(u[lane] >= 0.5) | usize::from(v[lane] >= 0.5) << 1;
-            let bundle = &mut self.bundles[quarter];
+            let bundle = &mut self.bundles[quarter[lane] as usize % 4];
             bundle.push(Vec3::new(x[lane], y[lane], z[lane]));
             if bundle.len() == BUNDLE_RAYS {
                 trace(bundle);

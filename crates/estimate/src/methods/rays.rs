@@ -9,6 +9,10 @@ use conray_core::{Estimate, Frame, LANES, SurfacePoint, hash_u32};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
+/// From so many rays on, bundles that look into a quarter of the hemisphere each are full, and share more of their way than
+/// rays as drawn.
+const QUARTERED_RAYS: usize = 4 * BUNDLE_RAYS;
+
 /// The unbiased estimate by rays alone.
 pub(crate) struct Rays<'a> {
     pub(crate) plan: &'a AoPlan,
@@ -35,19 +39,21 @@ impl Rays<'_> {
     fn trace(&self, rays: &PointRays<'_>, squares: &Squares) -> Tally {
         let (level, frame, samples) = (self.bvh.level(), &rays.frame, self.samples.clone());
         let mut tally = Tally::default();
-        if samples.len() > BUNDLE_RAYS {
-            // Bundles that look into a quarter of the hemisphere each share more of their way.
+        if samples.len() >= QUARTERED_RAYS {
             let mut quarters = Quarters::new();
             for first in samples.clone().step_by(LANES) {
-                let drawn = dispatch!(level, simd => squares.sixteen(simd, first, frame).stored());
+                let drawn = dispatch!(level, simd => squares.sixteen(simd, first, frame).stored(simd));
                 let count = LANES.min((samples.end - first) as usize);
                 quarters.push(&drawn, count, |bundle| rays.trace(bundle, &mut tally));
             }
             quarters.finish(|bundle| rays.trace(bundle, &mut tally));
         } else {
             let mut bundle = Directions::new();
-            dispatch!(level, simd => fill(simd, squares, samples, frame, &mut bundle));
-            rays.trace(&mut bundle, &mut tally);
+            for first in samples.clone().step_by(BUNDLE_RAYS) {
+                let part = first..samples.end.min(first.saturating_add(BUNDLE_RAYS as u32));
+                dispatch!(level, simd => fill(simd, squares, part, frame, &mut bundle));
+                rays.trace(&mut bundle, &mut tally);
+            }
         }
         tally
     }

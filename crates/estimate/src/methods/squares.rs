@@ -4,7 +4,7 @@ use crate::{AoPlan, Sampling};
 use conray_core::{
     Frame, JitteredPoints, LANES, RandomPoints, Vec2, cosine_hemisphere_lanes, owen_sobol_2d_lanes,
 };
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 
 /// The points of the unit square that a surface point's rays go through.
 pub(super) enum Squares {
@@ -21,15 +21,19 @@ pub(super) struct Sixteen<S: Simd> {
 
 /// The same in memory.
 pub(super) struct Drawn {
-    pub(super) square: [[f32; LANES]; 2],
+    /// Which quarter of the square each lies in, 0 to 3.
+    pub(super) quarter: [u32; LANES],
     pub(super) world: [[f32; LANES]; 3],
 }
 
 impl<S: Simd> Sixteen<S> {
     #[inline(always)]
-    pub(super) fn stored(self) -> Drawn {
+    pub(super) fn stored(self, simd: S) -> Drawn {
         let ([u, v], [x, y, z]) = (self.square, self.world);
-        Drawn { square: [u.into(), v.into()], world: [x.into(), y.into(), z.into()] }
+        let (half, zero) = (f32x16::splat(simd, 0.5), u32x16::splat(simd, 0));
+        let right = u.simd_ge(half).select(u32x16::splat(simd, 1), zero);
+        let upper = v.simd_ge(half).select(u32x16::splat(simd, 2), zero);
+        Drawn { quarter: (right | upper).into(), world: [x.into(), y.into(), z.into()] }
     }
 }
 
