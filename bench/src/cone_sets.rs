@@ -1,7 +1,7 @@
 //! Sets of cones marched at surface points.
 
 use crate::tiles;
-use conray_core::{Cone, ConeSet, Falloff, Frame, HemisphereCones, SurfacePoint};
+use conray_core::{Cone, ConeSet, Falloff, HemisphereCones, SurfacePoint};
 use conray_voxel::{ConeMarch, ConePoint, ConeResult, MarchOptions, Octree};
 
 /// Points of a tile: some tenths of a millisecond.
@@ -50,6 +50,5 @@ impl<'a> ConeSets<'a> {
 
 /// The cones of a point, about its geometric normal.
 fn at(point: &SurfacePoint) -> ConePoint {
-    let normal = point.geometric_normal;
-    ConePoint { apex: point.position, normal, frame: Frame::from_normal(normal) }
+    ConePoint::about(point.geometric_normal, point.position, point.geometric_normal)
 }

@@ -8,7 +8,6 @@
 use clap::Parser;
 use conray::{AoSettings, Error, Falloff, Method, target::Target};
 use conray_bench::{Bench, judged};
-use conray_core::Frame;
 use conray_voxel::{ConePoint, ConeResult, MarchOptions};
 use std::time::Instant;
 
@@ -67,9 +66,8 @@ fn cone_rmse(bench: &Bench, options: &MarchOptions) -> f64 {
         if point.shading_normal.dot(point.geometric_normal) < 0.99 {
             continue;
         }
-        let frame = Frame::from_normal(point.shading_normal);
-        let (apex, normal) = (point.position, point.geometric_normal);
-        march.march(&[ConePoint { apex, normal, frame }], &mut results);
+        let at = ConePoint::about(point.shading_normal, point.position, point.geometric_normal);
+        march.march(&[at], &mut results);
         let visibility: f32 = cones.iter().zip(&results).map(|(c, r)| c.weight * r.visibility).sum();
         sum += f64::from(visibility - truth).powi(2);
         count += 1;

@@ -76,12 +76,11 @@ pub(crate) fn build(geometry: Arc<Geometry>) -> Result<Bvh, BvhError> {
             TriangleTree::build(&triangles_of(&geometry.meshes()[m as usize], None, 0, opaque))
         })
         .collect();
-    let (placed, singular) = place(&geometry, &plan, &instanced, &trees);
+    let (placed, mut singular) = place(&geometry, &plan, &instanced, &trees, &blocking);
 
-    let is_flat =
-        |&i: &u32| plan.is_flat(geometry.instances()[i as usize].mesh as usize) || singular.contains(&i);
-    let flat: Vec<u32> = (0..geometry.instances().len() as u32).filter(is_flat).collect();
-    let flat = TriangleTree::build(&flattened(&geometry, &flat, &blocking));
+    let mut flat = flattened(&geometry, &plan, &blocking);
+    flat.append(&mut singular);
+    let flat = TriangleTree::build(&flat);
     let top = TopLevel::build(&placed, &trees);
     Ok(Bvh::from_levels(geometry, flat, trees, top))
 }
@@ -113,16 +112,16 @@ impl Plan {
     }
 }
 
-/// Instances for the top level, and those to be flattened because their transforms cannot be undone.
+/// Instances for the top level, and the triangles of those that are flattened because their transforms cannot be undone.
 fn place(
     geometry: &Geometry,
     plan: &Plan,
     instanced: &[u32],
     trees: &[TriangleTree],
-) -> (Vec<Placed>, std::collections::BTreeSet<u32>) {
+    blocking: &[Blocking],
+) -> (Vec<Placed>, Vec<PlacedTriangle>) {
     let mut placed = Vec::new();
-    let mut singular = std::collections::BTreeSet::new();
-    let mut singular_triangles = 0u64;
+    let mut singular = Vec::new();
     for (i, instance) in (0u32..).zip(geometry.instances()) {
         let m = instance.mesh as usize;
         if plan.flat[m] != Some(false) {
@@ -135,12 +134,10 @@ fn place(
         }
         let world_from_mesh = instance.world_from_mesh;
         let mesh_space = MeshSpace::new(&world_from_mesh, &trees[tree].tree.bounds);
-        if mesh_space.is_none() && singular_triangles + triangles <= MAX_SINGULAR_TRIANGLES {
+        if mesh_space.is_none() && singular.len() as u64 + triangles <= MAX_SINGULAR_TRIANGLES {
             // A placement scaled to a line or a point leaves no triangle at all: it costs nothing.
-            let opaque = false;
-            let left = triangles_of(&geometry.meshes()[m], Some(&world_from_mesh), i, opaque).len() as u64;
-            singular_triangles += left;
-            singular.insert(i);
+            let opaque = blocking[m] == Blocking::Fully;
+            singular.append(&mut triangles_of(&geometry.meshes()[m], Some(&world_from_mesh), i, opaque));
             continue;
         }
         placed.push(Placed { instance: i, tree: tree as u32, world_from_mesh, mesh_space });
@@ -148,60 +145,65 @@ fn place(
     (placed, singular)
 }
 
-/// The triangles of some instances that have three corners, in the world.
-fn flattened(geometry: &Geometry, instances: &[u32], blocking: &[Blocking]) -> Vec<PlacedTriangle> {
-    // How many triangles there are up to each instance, itself included.
-    let ends: Vec<usize> = instances
-        .iter()
-        .scan(0, |end, &i| {
-            let mesh = geometry.instances()[i as usize].mesh as usize;
-            *end += geometry.meshes()[mesh].triangles().len();
-            Some(*end)
-        })
-        .collect();
+/// The triangles of all flattened meshes that have three corners, in the world.
+fn flattened(geometry: &Geometry, plan: &Plan, blocking: &[Blocking]) -> Vec<PlacedTriangle> {
+    // Which instances, and how many triangles there are up to each, itself included.
+    let (mut instances, mut ends, mut total) = (Vec::new(), Vec::new(), 0);
+    for (i, instance) in (0u32..).zip(geometry.instances()) {
+        if plan.is_flat(instance.mesh as usize) {
+            total += geometry.meshes()[instance.mesh as usize].triangles().len();
+            instances.push(i);
+            ends.push(total);
+        }
+    }
     let is_any_without = AtomicBool::new(false);
-    let placed = |number: usize| {
+    let place = |number: usize| {
         let part = ends.partition_point(|&end| end <= number);
         let first = if part == 0 { 0 } else { ends[part - 1] };
         let instance = &geometry.instances()[instances[part] as usize];
-        let mesh = instance.mesh as usize;
-        let corners = geometry.meshes()[mesh].corners(number - first);
-        let corners = corners.map(|p| world_corner(&instance.world_from_mesh, p));
-        let opaque = blocking[mesh] == Blocking::Fully;
-        let id = TriangleId::new(instances[part], (number - first) as u32, opaque);
-        let triangle = PlacedTriangle { corners, id };
+        let (mesh, opaque) = (instance.mesh as usize, blocking[instance.mesh as usize] == Blocking::Fully);
+        let world_from_mesh = Some(&instance.world_from_mesh);
+        let triangle =
+            placed(&geometry.meshes()[mesh], number - first, world_from_mesh, instances[part], opaque);
         if !triangle.has_three_corners() {
             is_any_without.store(true, Relaxed);
         }
         triangle
     };
     // One place for each, so that threads write where the triangles stay; few scenes have any to leave out.
-    let total = ends.last().map_or(0, |&end| end);
-    let mut triangles: Vec<_> = (0..total).into_par_iter().map(placed).collect();
+    let mut triangles: Vec<_> = (0..total).into_par_iter().map(place).collect();
     if is_any_without.into_inner() {
         triangles.retain(PlacedTriangle::has_three_corners);
     }
     triangles
 }
 
-/// The triangles of a mesh that have three corners, in the world or, without a transform, in the mesh's space.
+/// The triangles of a mesh that have three corners; see [`placed`].
 fn triangles_of(
     mesh: &TriangleMesh,
     world_from_mesh: Option<&Affine3A>,
     instance: u32,
     opaque: bool,
 ) -> Vec<PlacedTriangle> {
-    let placed = |triangle: usize| {
-        let corners = mesh.corners(triangle);
-        let corners = world_from_mesh.map_or(corners, |m| corners.map(|p| world_corner(m, p)));
-        let id = TriangleId::new(instance, triangle as u32, opaque);
-        PlacedTriangle { corners, id }
-    };
     (0..mesh.triangles().len())
         .into_par_iter()
-        .map(placed)
+        .map(|triangle| placed(mesh, triangle, world_from_mesh, instance, opaque))
         .filter(PlacedTriangle::has_three_corners)
         .collect()
+}
+
+/// A triangle of a mesh, in the world or, without a transform, in the mesh's space.
+#[inline]
+fn placed(
+    mesh: &TriangleMesh,
+    triangle: usize,
+    world_from_mesh: Option<&Affine3A>,
+    instance: u32,
+    opaque: bool,
+) -> PlacedTriangle {
+    let corners = mesh.corners(triangle);
+    let corners = world_from_mesh.map_or(corners, |m| corners.map(|p| world_corner(m, p)));
+    PlacedTriangle { corners, id: TriangleId::new(instance, triangle as u32, opaque) }
 }
 
 fn check_counts(geometry: &Geometry) -> Result<(), BvhError> {
@@ -240,4 +242,31 @@ fn check_overflow(geometry: &Geometry) -> Result<(), BvhError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use conray_core::Vec3;
+
+    #[test]
+    fn placements_scaled_to_nothing_cost_nothing() {
+        let mut geometry = Geometry::default();
+        let corners: Vec<Vec3> = (0..600).map(|i| Vec3::new(i as f32, (i * i % 7) as f32, 1.0)).collect();
+        let triangles = (0..598).map(|i| [i, i + 1, i + 2]).collect();
+        let mesh = geometry.add_mesh(TriangleMesh::new(corners, triangles).unwrap()).unwrap();
+        let sheet = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
+        for scale in [sheet].into_iter().chain([Affine3A::from_scale(Vec3::ZERO); 200]) {
+            geometry.add_instance(mesh, scale).unwrap();
+        }
+        let blocking = [Blocking::Fully];
+        let plan = Plan::new(&geometry, &blocking);
+        let trees = [TriangleTree::build(&triangles_of(&geometry.meshes()[0], None, 0, true))];
+        let (placed, singular) = place(&geometry, &plan, &[0], &trees, &blocking);
+        // Of 201 placements the sheet's triangles alone are held.
+        assert!(placed.is_empty());
+        assert!(singular.iter().all(|t| t.id.instance == 0 && t.id.is_opaque()));
+        assert!(!singular.is_empty() && singular.capacity() <= 2 * 598, "{}", singular.capacity());
+        assert!(flattened(&geometry, &plan, &blocking).is_empty());
+    }
 }

@@ -64,7 +64,7 @@ impl WideTree {
             return (tree, Leaves::default());
         }
         let collapse = Collapse::new(binary, rule);
-        let mut part = Part { nodes: Vec::new(), leaves: Leaves::default() };
+        let mut part = Part::default();
         let found = Widening { collapse, boxes }.add(&mut part, 0, SHARED_LEVELS);
         let Found { bounds, levels, stack_entries } = found;
         (Self { nodes: part.nodes, bounds, levels, stack_entries }, part.leaves)
@@ -118,6 +118,7 @@ impl WideTree {
 }
 
 /// Nodes and leaves of a part of the tree, by numbers of its own.
+#[derive(Default)]
 struct Part {
     nodes: Vec<Node>,
     leaves: Leaves,
@@ -159,9 +160,12 @@ impl Widening<'_> {
         let mut apart: Vec<Option<(Part, Found)>> = Vec::new();
         if shared_levels > 0 {
             let below = |&child: &u32| {
-                let mut part = Part { nodes: Vec::new(), leaves: Leaves::default() };
-                let is_node = !self.collapse.is_leaf(child);
-                is_node.then(|| self.add(&mut part, child, shared_levels - 1)).map(|found| (part, found))
+                if self.collapse.is_leaf(child) {
+                    return None;
+                }
+                let mut part = Part::default();
+                let found = self.add(&mut part, child, shared_levels - 1);
+                Some((part, found))
             };
             children.par_iter().map(below).collect_into_vec(&mut apart);
         }

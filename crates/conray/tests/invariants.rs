@@ -47,6 +47,34 @@ fn threads_order_and_tiling_change_no_bit() {
 }
 
 #[test]
+fn points_that_are_not_valid_are_told_and_change_no_other() {
+    for method in Method::ALL {
+        let session = cornell(method, 2);
+        let points = cornell_points(&session);
+        let expected = bits(&session.estimate(&points).unwrap());
+        let bad = [
+            SurfacePoint::new(Vec3::NAN, Vec3::Z),
+            SurfacePoint::new(Vec3::ZERO, Vec3::ZERO),
+            SurfacePoint::new(Vec3::ONE, Vec3::splat(f32::INFINITY)),
+        ];
+        // After every fifth point one, and a chunk of nothing else at the end.
+        let mixed: Vec<_> = points
+            .iter()
+            .enumerate()
+            .flat_map(|(i, &point)| [Some(point), (i % 5 == 0).then(|| bad[i % 3])])
+            .flatten()
+            .chain(std::iter::repeat_n(bad[1], 150))
+            .collect();
+        let estimates = session.estimate(&mixed).unwrap();
+        let told = |e: &Estimate| (e.visibility, e.error, e.rays) == (0.0, f32::INFINITY, 0);
+        let (good, rest): (Vec<_>, Vec<_>) = mixed.iter().zip(estimates).partition(|(p, _)| p.is_valid());
+        assert!(rest.len() > 200 && rest.iter().all(|(_, estimate)| told(estimate)), "{method}");
+        let good: Vec<_> = good.into_iter().map(|(_, estimate)| estimate).collect();
+        assert!(bits(&good) == expected, "{method}");
+    }
+}
+
+#[test]
 fn another_seed_is_another_draw_for_methods_with_rays() {
     for method in Method::ALL {
         let mut session = cornell(method, 0);

@@ -2,7 +2,7 @@
 
 use conray::{
     AoSettings, Backend, Control, CpuBackend, Estimate, Falloff, Level, Method, Sampling, Session,
-    SurfacePoint, scene, target::Target,
+    SurfacePoint, merge, scene, target::Target,
 };
 use conray_core::simd_levels;
 use std::sync::Arc;
@@ -24,11 +24,42 @@ fn estimates(session: &Session, points: &[SurfacePoint], level: Level) -> Vec<Es
     estimates
 }
 
+/// However many rays are taken at once, they are the same rays.
+#[test]
+fn rays_by_quarters_are_those_as_drawn() {
+    for sampling in Sampling::ALL {
+        let settings = AoSettings { rays: 300, sampling, ..AoSettings::default() };
+        let scene = scene::builtin("cornell").unwrap();
+        let view = scene.default_view();
+        let session = Session::build(scene.geometry, &settings).unwrap();
+        let points = session.camera(&view, 16, 12).unwrap().points().to_vec();
+        let backend = CpuBackend::new(Arc::new(session.bvh().clone()), None);
+        let over = |samples: std::ops::Range<u32>| {
+            let mut estimates = vec![Estimate::PENDING; points.len()];
+            backend.estimate(session.plan(), samples, &points, &mut estimates, Control::none()).unwrap();
+            estimates
+        };
+        let (whole, first, rest) = (over(0..300), over(0..130), over(130..300));
+        for (whole, (first, rest)) in whole.iter().zip(first.iter().zip(&rest)) {
+            let merged = merge(first, 130, rest, 170);
+            assert_eq!(whole.rays, merged.rays);
+            assert!(
+                (whole.visibility - merged.visibility).abs() < 1e-5,
+                "{sampling:?}: {whole:?} {merged:?}"
+            );
+            assert!((whole.bent - merged.bent).length() < 1e-5, "{sampling:?}: {whole:?} {merged:?}");
+        }
+        assert!(whole.iter().filter(|e| (0.05..0.95).contains(&e.visibility)).count() > 10);
+    }
+}
+
 #[test]
 fn methods_agree_at_every_level() {
     for method in Method::ALL {
         for (falloff, sampling, rays) in [
+            // Bundles as drawn, and by quarters of the hemisphere.
             (Falloff::None, Sampling::Sobol, 150),
+            (Falloff::None, Sampling::Sobol, 300),
             (Falloff::Linear, Sampling::Sobol, 40),
             (Falloff::None, Sampling::Random, 70),
         ] {

@@ -101,10 +101,12 @@ fn each_marched(
     estimate: impl Fn(&SurfacePoint, &[ConeResult]) -> Estimate + Sync,
 ) {
     each_chunk(points, estimates, control, |points, estimates| {
-        let results = marches.march(points);
-        let results = results.chunks(results.len() / points.len());
-        for ((point, out), results) in points.iter().zip(estimates).zip(results) {
-            *out = if point.is_valid() { estimate(point, results) } else { INVALID };
+        let valid: Vec<_> = points.iter().filter(|point| point.is_valid()).copied().collect();
+        let results = marches.march(&valid);
+        let mut results = results.chunks(marches.count());
+        for (point, out) in points.iter().zip(estimates) {
+            let results = if point.is_valid() { results.next() } else { None };
+            *out = results.map_or(INVALID, |results| estimate(point, results));
         }
     });
 }

@@ -36,6 +36,14 @@ pub struct ConePoint {
     pub frame: Frame,
 }
 
+impl ConePoint {
+    /// At a surface point with that geometric normal, the hemisphere about a unit vector: as a rule the shading normal.
+    #[inline]
+    pub fn about(axis: Vec3, apex: Vec3, normal: Vec3) -> Self {
+        Self { apex, normal, frame: Frame::from_normal(axis) }
+    }
+}
+
 /// A set of cones, prepared for any number of points.
 #[derive(Clone, Debug)]
 pub struct ConeMarch<'a> {

@@ -7,7 +7,7 @@ use conray_core::{ConeSet, Falloff, Frame, HemisphereCones, Vec3, simd_levels};
 use conray_voxel::{ConePoint, ConeQuery, ConeResult, Density, MarchOptions, Octree, OctreeOptions};
 
 fn standing(apex: Vec3, normal: Vec3) -> ConePoint {
-    ConePoint { apex, normal, frame: Frame::from_normal(normal) }
+    ConePoint::about(normal, apex, normal)
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use super::above_surface::AboveSurface;
 use crate::AoPlan;
 use conray_bvh::Level;
-use conray_core::{Cone, ConeEstimate, Estimate, Frame, SurfacePoint, Vec3};
+use conray_core::{Cone, ConeEstimate, Estimate, SurfacePoint, Vec3};
 use conray_voxel::{ConeMarch, ConePoint, ConeResult, MarchOptions, Octree};
 
 /// The estimate by cones alone.
@@ -39,9 +39,14 @@ impl<'a> Marches<'a> {
         Self { plan, march, above: AboveSurface::new(&plan.cones) }
     }
 
+    /// Cones of a point.
+    pub(crate) fn count(&self) -> usize {
+        self.plan.cones.cones().len()
+    }
+
     /// Marches every cone at some points; the results of one point after those of the other.
     pub(crate) fn march(&self, points: &[SurfacePoint]) -> Vec<ConeResult> {
-        let count = self.plan.cones.cones().len();
+        let count = self.count();
         let set: Vec<_> = points.iter().map(cone_point).collect();
         let mut results = vec![ConeResult { visibility: 0.0, error: 0.0 }; points.len() * count];
         self.march.march(&set, &mut results);
@@ -67,6 +72,5 @@ impl<'a> Marches<'a> {
 
 /// Where the cones of a surface point stand.
 fn cone_point(point: &SurfacePoint) -> ConePoint {
-    let frame = Frame::from_normal(point.shading_normal);
-    ConePoint { apex: point.position, normal: point.geometric_normal, frame }
+    ConePoint::about(point.shading_normal, point.position, point.geometric_normal)
 }
