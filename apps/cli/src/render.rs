@@ -31,7 +31,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     let camera = session.camera(&view, width, height)?;
-    let outcome = estimate(&session, camera.points(), interrupted, &reporter)?;
+    let outcome = estimate(&session, &camera, interrupted, &reporter)?;
     write_outputs(args, &settings, &session, &camera, &outcome)?;
 
     let lines = summary_lines(&name, &view, args, &settings, &session, &outcome, camera.points().len());
@@ -66,15 +66,15 @@ fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Runs the session over the points with progress as events.
-pub(crate) fn estimate(
+/// Runs the session over a target with progress as events.
+pub(crate) fn estimate<T: Target>(
     session: &Session,
-    points: &[conray::SurfacePoint],
+    target: &T,
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<Outcome, Failure> {
     let stage = Stage::Estimate;
-    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), session.work(points.len()));
+    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), session.work(target.points().len()));
     reporter.event(Event::Started { stage });
     let progress = |work: usize| {
         let done = done.fetch_add(work as u64, Ordering::Relaxed) + work as u64;
@@ -84,7 +84,7 @@ pub(crate) fn estimate(
             reporter.event(Event::Progress { stage, done, total });
         }
     };
-    let outcome = session.run(points, Control { cancelled: interrupted, progress: &progress })?;
+    let outcome = session.run_target(target, Control { cancelled: interrupted, progress: &progress })?;
     reporter.event(Event::Finished { stage, seconds: outcome.seconds });
     Ok(outcome)
 }

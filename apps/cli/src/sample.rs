@@ -31,7 +31,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     let Scene { name, geometry, .. } = scene;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;
-    let outcome = estimate(&session, points.points(), interrupted, &reporter)?;
+    let outcome = estimate(&session, &points, interrupted, &reporter)?;
     if let Some(skipped) = points.skipped() {
         reporter.event(Event::Warning {
             message: format!(

@@ -31,16 +31,17 @@ mod error;
 mod events;
 mod passes;
 mod session;
+mod together;
 
 pub use conray_bvh::Hit;
 pub use conray_core::{
     Affine2, Affine3A, AlphaTexture, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry,
-    GeometryError, Instance, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity, TriangleMesh,
-    Vec2, Vec3, View, Wrap,
+    GeometryError, Instance, Layout, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity,
+    TriangleMesh, Vec2, Vec3, View, Wrap,
 };
 pub use conray_estimate::{
     AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, ConeViews, Control,
-    CpuBackend, Distance, Level, Method, Sampling, SettingsError, limits, merge,
+    CpuBackend, Distance, Hybrid, Level, Method, Sampling, SettingsError, limits, merge,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

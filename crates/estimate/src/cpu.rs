@@ -51,7 +51,8 @@ impl Backend for CpuBackend {
             Ok(methods::Marches::new(plan, octree, self.bvh.level()))
         };
         match plan.method {
-            Method::Rays => {
+            // One by one, points have no neighbours to share with: see `Hybrid`.
+            Method::Rays | Method::Hybrid => {
                 let rays = methods::Rays { plan, bvh: &self.bvh, samples };
                 each_chunk(points, estimates, control, |points, estimates| {
                     for (point, out) in points.iter().zip(estimates) {
@@ -65,7 +66,7 @@ impl Backend for CpuBackend {
                     cones.estimate(point, results)
                 });
             }
-            Method::Paper | Method::Hybrid => {
+            Method::Paper => {
                 let paper = methods::Paper { plan, bvh: &self.bvh, marches: marches()?, frames: samples };
                 each_marched(&paper.marches, points, estimates, control, |point, results| {
                     paper.estimate(point, results)
@@ -112,5 +113,5 @@ fn each_marched(
 }
 
 /// The answer where there is no surface to ask about.
-const INVALID: Estimate =
+pub(crate) const INVALID: Estimate =
     Estimate { visibility: 0.0, error: f32::INFINITY, rays: 0, bent: Vec3::ZERO, cone: None };

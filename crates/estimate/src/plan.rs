@@ -12,7 +12,7 @@ pub struct AoPlan {
     pub distance: f32,
     /// How an occluder's weight fades.
     pub falloff: Falloff,
-    /// Rays per point of method `rays`.
+    /// Rays per point of method `rays`; on average, of `hybrid`.
     pub rays: u32,
     /// How method `rays` chooses directions.
     pub sampling: Sampling,
@@ -54,8 +54,8 @@ impl AoPlan {
         })
     }
 
-    /// How many samples of its sequence each point needs: rays for `rays`, else one frame of the method.
+    /// How many samples of its sequence each point needs: rays for `rays` and `hybrid`, else one frame of the method.
     pub fn samples(&self) -> u32 {
-        if self.method == Method::Rays { self.rays } else { 1 }
+        if matches!(self.method, Method::Rays | Method::Hybrid) { self.rays } else { 1 }
     }
 }

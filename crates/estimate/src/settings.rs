@@ -18,7 +18,8 @@ pub enum Method {
     /// The blend of both as published: Podee, Dobashi, Yamamoto, "Combining Cone and Ray Tracing for Ambient
     /// Occlusion Computation".
     Paper,
-    /// conray's own combination. For now it equals [`Method::Paper`].
+    /// conray's own: rays where they help most, pooled with what like neighbours found, each weighed by its expected
+    /// squared error. Of points without neighbours it is [`Method::Rays`].
     Hybrid,
 }
 
@@ -28,7 +29,7 @@ impl Method {
 
     /// True where the method marches cones, and so needs an octree.
     pub fn needs_octree(self) -> bool {
-        self != Self::Rays
+        matches!(self, Self::Cones | Self::Paper)
     }
 
     /// True where the method may trace rays.
@@ -136,7 +137,8 @@ pub struct AoSettings {
     pub distance: Distance,
     /// How an occluder's weight fades with its distance. Needs a finite distance unless `none`.
     pub falloff: Falloff,
-    /// Rays per point of method `rays`, in [`limits::RAYS`]; powers of two give the least error per ray.
+    /// Rays per point of methods `rays` and, on average, `hybrid`, in [`limits::RAYS`]; powers of two give the least error
+    /// per ray.
     pub rays: u32,
     /// Method `rays`: how directions are chosen. Other methods keep to Sobol points.
     pub sampling: Sampling,

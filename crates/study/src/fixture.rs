@@ -187,7 +187,7 @@ fn trials(law: &Law, hardness: f64, timing: CaseTiming) -> Vec<TrialReport> {
     let trial = |effort: u32| {
         let unit = match law.name {
             "cones" => "cones",
-            "paper" | "hybrid" => "frames",
+            "paper" => "frames",
             _ => "rays",
         };
         let count = f64::from(effort);

@@ -1,7 +1,7 @@
 //! What a camera sees, as surface points.
 
 use crate::{Camera, Layers, Target, TargetError, target::check_count};
-use conray_core::{Estimate, Ray, SurfacePoint};
+use conray_core::{Estimate, Layout, Ray, SurfacePoint};
 use rayon::prelude::*;
 
 /// Side of the tiles in whose order points are listed, in pixels: neighbours in the list see much the same geometry.
@@ -56,6 +56,10 @@ impl Target for CameraTarget {
 
     fn points(&self) -> &[SurfacePoint] {
         &self.points
+    }
+
+    fn layout(&self) -> Layout {
+        Layout::Image { width: self.camera.width(), height: self.camera.height() }
     }
 
     fn resolve(&self, estimates: &[Estimate]) -> Result<Layers, TargetError> {

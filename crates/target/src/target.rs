@@ -1,7 +1,7 @@
 //! The seam between who asks for AO and who computes it.
 
 use crate::TargetError;
-use conray_core::{Estimate, SurfacePoint};
+use conray_core::{Estimate, Layout, SurfacePoint};
 
 /// Something that asks for AO at surface points and receives estimates.
 pub trait Target {
@@ -10,6 +10,11 @@ pub trait Target {
 
     /// Where AO is asked for. The order is the target's own and never changes.
     fn points(&self) -> &[SurfacePoint];
+
+    /// How the points lie to each other.
+    fn layout(&self) -> Layout {
+        Layout::Scattered
+    }
 
     /// Puts the estimates, one per point in the order of [`Target::points`], where they belong.
     ///

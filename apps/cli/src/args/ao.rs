@@ -8,10 +8,10 @@ use conray::{Alpha, AoSettings, Distance, Falloff, Method, Sampling};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Ambient occlusion")]
 pub(crate) struct AoArgs {
-    /// How visibility is estimated: rays, cones, paper or hybrid (which for now is paper)
+    /// How visibility is estimated: rays, cones, paper or hybrid
     #[arg(long, default_value_t = AoSettings::default().method)]
     method: Method,
-    /// Rays per point of method rays, from 1 to 1048576; powers of two err least
+    /// Rays per point of methods rays and (on average) hybrid, from 1 to 1048576; powers of two err least
     #[arg(long, value_name = "N", default_value_t = AoSettings::default().rays, allow_negative_numbers = true)]
     rays: u32,
     /// How method rays draws its directions: sobol (best), stratified or random (for comparisons)

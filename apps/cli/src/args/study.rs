@@ -21,7 +21,7 @@ pub(crate) struct StudyArgs {
     /// Rays per point at which methods are judged, ascending [default: 1,2,4,...,256, up to 64 with --quick]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     pub(crate) budgets: Option<Vec<u32>>,
-    /// Methods to compare [default: all but hybrid]
+    /// Methods to compare [default: all]
     #[arg(long, value_name = "NAME,NAME,...", value_delimiter = ',')]
     pub(crate) methods: Option<Vec<String>>,
     /// Views to judge from, of every scene that has them [default: the first of each scene]

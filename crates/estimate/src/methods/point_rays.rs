@@ -9,7 +9,7 @@ use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 pub(crate) struct PointRays<'a> {
     plan: &'a AoPlan,
     bvh: &'a Bvh,
-    pub(super) frame: Frame,
+    pub(crate) frame: Frame,
     geometric_normal: Vec3,
     origin: Vec3,
 }
@@ -52,6 +52,14 @@ impl<'a> PointRays<'a> {
         self.visibilities(directions, &mut visible[..directions.len()]);
         dispatch!(self.bvh.level(), simd => tally.add_bundle(simd, directions, &visible));
         directions.clear();
+    }
+
+    /// The tally of a bundle whose visibilities are known.
+    #[inline]
+    pub(crate) fn tally(&self, directions: &Directions, visible: &[f32; BUNDLE_RAYS]) -> Tally {
+        let mut tally = Tally::default();
+        dispatch!(self.bvh.level(), simd => tally.add_bundle(simd, directions, visible));
+        tally
     }
 }
 

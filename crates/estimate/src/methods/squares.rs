@@ -7,16 +7,16 @@ use conray_core::{
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 
 /// The points of the unit square that a surface point's rays go through.
-pub(super) enum Squares {
+pub(crate) enum Squares {
     Sobol { seed: u32 },
     Stratified(JitteredPoints),
     Random(RandomPoints),
 }
 
 /// Sixteen samples: where in the square, and in which direction.
-pub(super) struct Sixteen<S: Simd> {
-    pub(super) square: [f32x16<S>; 2],
-    pub(super) world: [f32x16<S>; 3],
+pub(crate) struct Sixteen<S: Simd> {
+    pub(crate) square: [f32x16<S>; 2],
+    pub(crate) world: [f32x16<S>; 3],
 }
 
 /// The same in memory.
@@ -39,7 +39,7 @@ impl<S: Simd> Sixteen<S> {
 
 impl Squares {
     /// Those of the sequence `seed`.
-    pub(super) fn new(plan: &AoPlan, seed: u32) -> Self {
+    pub(crate) fn new(plan: &AoPlan, seed: u32) -> Self {
         match plan.sampling {
             Sampling::Sobol => Self::Sobol { seed },
             Sampling::Stratified => Self::Stratified(JitteredPoints::new(plan.rays, seed)),
@@ -49,7 +49,7 @@ impl Squares {
 
     /// Samples `first` to `first + 15`, cosine-weighted about a frame's third axis.
     #[inline(always)]
-    pub(super) fn sixteen<S: Simd>(&self, simd: S, first: u32, frame: &Frame) -> Sixteen<S> {
+    pub(crate) fn sixteen<S: Simd>(&self, simd: S, first: u32, frame: &Frame) -> Sixteen<S> {
         let square = match self {
             Self::Sobol { seed } => owen_sobol_2d_lanes(simd, first, *seed),
             Self::Stratified(points) => one_by_one(simd, |lane| points.point(first + lane)),

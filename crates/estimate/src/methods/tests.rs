@@ -59,7 +59,7 @@ fn a_plan_is_in_world_units() {
     let plan = AoPlan::new(&AoSettings::default(), bounds).unwrap();
     assert_eq!(plan.distance, 5.0);
     assert!(AoPlan::new(&AoSettings::default(), Bounds::EMPTY).is_err(), "no size, no automatic distance");
-    assert_eq!(plan.samples(), if plan.method == Method::Rays { plan.rays } else { 1 });
+    assert_eq!(plan.samples(), plan.rays);
 }
 
 #[test]

@@ -59,7 +59,7 @@ pub(super) fn find(evidence: &Evidence<'_>, pictures: &mut Pictures) -> Result<V
 fn judged_trial<'a>(evidence: &'a Evidence<'_>, method: &'a str) -> Option<&'a Trial> {
     match method {
         "cones" => evidence.trial("cones", evidence.case.settings.cones),
-        "paper" | "hybrid" => evidence.trial(method, 1),
+        "paper" => evidence.trial(method, 1),
         _ => {
             let count = evidence.trials_of(method).count();
             evidence.trials_of(method).nth(count / 2)

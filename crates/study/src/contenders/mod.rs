@@ -3,6 +3,7 @@
 mod cones;
 mod denoised;
 mod filtered;
+mod hybrid;
 mod paper;
 mod paper_tuned;
 mod rays;
@@ -21,8 +22,8 @@ pub(crate) fn all() -> Vec<Box<dyn Contender>> {
         Box::new(filtered::Filtered::default()),
         Box::new(denoised::Denoised::default()),
         Box::new(cones::Cones),
-        Box::new(paper::Frames::paper()),
+        Box::new(paper::Paper),
         Box::new(paper_tuned::PaperTuned::default()),
-        Box::new(paper::Frames::hybrid()),
+        Box::new(hybrid::Hybrid),
     ]
 }

@@ -1,39 +1,21 @@
-//! The published blend with its settings as given, frame by frame; and the product's hybrid.
+//! The published blend with its settings as given, frame by frame.
 
 use crate::{Answer, Case, Contender, Effort, Needs, StudyError};
 use conray::{AoSettings, Control, Method};
 
-/// `paper` or `hybrid`: the product's method of that name, as many frames as a budget allows.
-pub(crate) struct Frames {
-    method: Method,
-}
+/// `paper`, as many frames as a budget allows, with beta, gamma and N_max of the study's settings.
+pub(crate) struct Paper;
 
-impl Frames {
-    /// The blend as published, with beta, gamma and N_max of the study's settings.
-    pub(crate) fn paper() -> Self {
-        Self { method: Method::Paper }
-    }
-
-    /// conray's own combination.
-    pub(crate) fn hybrid() -> Self {
-        Self { method: Method::Hybrid }
-    }
-}
-
-impl Contender for Frames {
+impl Contender for Paper {
     fn name(&self) -> &'static str {
-        if self.method == Method::Paper { "paper" } else { "hybrid" }
+        "paper"
     }
 
     fn about(&self) -> String {
-        if self.method == Method::Paper {
-            "The published blend: cones where epsilon is small, rays inside the cone where it is not. Cones are marched \
-             once, each frame adds rays. Podee, Dobashi, Yamamoto, Combining Cone and Ray Tracing for Ambient \
-             Occlusion Computation."
-                .into()
-        } else {
-            "conray's own combination; for now the same as paper.".into()
-        }
+        "The published blend: cones where epsilon is small, rays inside the cone where it is not. Cones are marched \
+         once, each frame adds rays. Podee, Dobashi, Yamamoto, Combining Cone and Ray Tracing for Ambient Occlusion \
+         Computation."
+            .into()
     }
 
     fn needs(&self) -> Needs {
@@ -53,6 +35,6 @@ impl Contender for Frames {
     }
 
     fn run(&self, case: &Case, effort: u32, control: Control<'_>) -> Result<Answer, StudyError> {
-        case.answer(&AoSettings { method: self.method, ..case.settings.clone() }, 0..effort, control)
+        case.answer(&AoSettings { method: Method::Paper, ..case.settings.clone() }, 0..effort, control)
     }
 }

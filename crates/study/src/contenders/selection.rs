@@ -3,9 +3,9 @@
 use super::all;
 use crate::{Contender, StudyError};
 
-/// All but `hybrid`, which is the same as `paper` for now.
+/// All of them.
 pub(crate) fn default_names() -> Vec<String> {
-    all().iter().map(|c| c.name().to_owned()).filter(|name| name != "hybrid").collect()
+    all().iter().map(|c| c.name().to_owned()).collect()
 }
 
 /// Checks that every name is known and none is said twice.

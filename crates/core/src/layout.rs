@@ -1,0 +1,16 @@
+//! How the points of a target lie to each other.
+
+/// What the ids of points say about their neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// Nothing.
+    #[default]
+    Scattered,
+    /// Points are pixels: `id` is `y * width + x`, rows from the top, no id twice.
+    Image {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+}
