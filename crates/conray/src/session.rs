@@ -164,7 +164,8 @@ impl Session {
 
     /// Carries out a part of another plan with the structures already built, in one pass over the points.
     ///
-    /// `samples` says which part of each point's sequence: ray indices for method `rays`, frames for the others.
+    /// `samples` says which part of each point's sequence: ray indices for methods `rays` and `hybrid` (which is
+    /// `rays` where points are taken one by one), frames for the others.
     /// Estimates of disjoint parts are put together by [`conray_estimate::merge`].
     ///
     /// # Errors

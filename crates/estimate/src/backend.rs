@@ -52,8 +52,8 @@ impl Control<'_> {
 pub trait Backend: Send + Sync {
     /// Estimates every point, into the place of the same index.
     ///
-    /// `samples` says which part of each point's sample sequence to use: ray indices for method `rays`, frame
-    /// numbers for the others. Estimates of disjoint ranges are merged by [`merge`]. The result depends on the plan,
+    /// `samples` says which part of each point's sample sequence to use: ray indices for methods `rays` and
+    /// `hybrid`, which is `rays` where points are taken one by one; frame numbers for the others. Estimates of disjoint ranges are merged by [`merge`]. The result depends on the plan,
     /// the range and each point alone, not on threads, order or neighbours. Points that are not valid
     /// ([`SurfacePoint::is_valid`]) get visibility 0 and an infinite error.
     ///

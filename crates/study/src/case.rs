@@ -65,12 +65,8 @@ impl Case {
         let plan = self.session.plan_for(settings)?;
         let estimates = self.session.estimate_plan(&plan, samples, self.points(), control)?;
         let cones = if plan.method.needs_octree() { plan.cones.cones().len() } else { 0 };
-        Ok(Answer {
-            visibility: estimates.iter().map(|e| e.visibility).collect(),
-            expected_error: Some(estimates.iter().map(|e| e.error).collect()),
-            rays: estimates.iter().map(|e| u64::from(e.rays)).sum(),
-            cones: (cones * estimates.len()) as u64,
-        })
+        let rays = estimates.iter().map(|e| u64::from(e.rays)).sum();
+        Ok(Answer::of(&estimates, rays, (cones * estimates.len()) as u64))
     }
 }
 

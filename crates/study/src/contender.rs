@@ -1,7 +1,7 @@
 //! The seam at which methods join the study.
 
 use crate::{Case, Pilot, StudyError};
-use conray::{AoSettings, Control};
+use conray::{AoSettings, Control, Estimate};
 use serde_json::{Map, Value};
 
 /// An estimator that the study judges.
@@ -96,4 +96,16 @@ pub struct Answer {
     pub rays: u64,
     /// Cones marched in all.
     pub cones: u64,
+}
+
+impl Answer {
+    /// What the product's estimates say, one a point.
+    pub(crate) fn of(estimates: &[Estimate], rays: u64, cones: u64) -> Self {
+        Self {
+            visibility: estimates.iter().map(|e| e.visibility).collect(),
+            expected_error: Some(estimates.iter().map(|e| e.error).collect()),
+            rays,
+            cones,
+        }
+    }
 }

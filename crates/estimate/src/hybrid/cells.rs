@@ -3,10 +3,7 @@
 //! A cell stands for one surface: of what lies in it, only what is like its best-known part is merged. It stands at the mean
 //! place of its parts, weighted as their values are, so that values that change linearly stay so.
 
-use super::{
-    pixels::Pixels,
-    tallies::{Rays, Tally},
-};
+use super::pixels::Pixels;
 use conray_core::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -125,16 +122,4 @@ impl Cells<'_> {
         }
         (cell, flags)
     }
-}
-
-/// Mean variance of a bundle over all pixels that have rays.
-pub(super) fn mean_bundle(tallies: &[Tally], rays: &Rays) -> f32 {
-    // Part by part, so that the order of the sum does not depend on threads.
-    let part = |tallies: &[Tally]| {
-        let with_rays = tallies.iter().filter(|t| t.bundles > 0);
-        with_rays.fold((0.0, 0u32), |(sum, count), t| (sum + f64::from(t.cells_variance()), count + 1))
-    };
-    let parts: Vec<(f64, u32)> = tallies.par_chunks(1 << 14).map(part).collect();
-    let (sum, count) = parts.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    rays.bundle((sum / f64::from(count.max(1))) as f32)
 }

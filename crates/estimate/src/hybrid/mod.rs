@@ -83,6 +83,9 @@ impl Hybrid {
     ///
     /// `points` are those that the work began with. The result depends on the plan, the points and the calls so far, not on
     /// threads.
+    ///
+    /// # Panics
+    /// If there are fewer points than the work began with.
     pub fn refine(
         &mut self,
         plan: &AoPlan,
@@ -92,7 +95,7 @@ impl Hybrid {
         control: Control<'_>,
     ) {
         let covered = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT).count();
-        if covered == 0 {
+        if covered == 0 || control.is_cancelled() {
             return;
         }
         if self.known.is_empty() {

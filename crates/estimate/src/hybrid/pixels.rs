@@ -45,7 +45,7 @@ impl Pixels {
             place_of: vec![NO_POINT; points.len()],
         };
         let origin = points.iter().find(|p| p.is_valid()).map_or(Vec3::ZERO, |p| p.position);
-        for (index, point) in points.iter().enumerate().filter(|(_, p)| p.is_valid()) {
+        for (index, point) in points.iter().enumerate().filter(|(_, p)| p.is_valid() && width > 0) {
             let (x, y) = (point.id as usize % width, point.id as usize / width);
             if y >= height {
                 continue;

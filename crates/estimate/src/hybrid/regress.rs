@@ -42,14 +42,14 @@ pub(super) struct Guess {
 }
 
 /// One size of cells, and which pixels are part of theirs.
-pub(super) struct Layer<'a> {
-    pub(super) cells: &'a Cells<'a>,
+struct Layer<'a> {
+    cells: &'a Cells<'a>,
     /// Cells have `1 << size` pixels a side.
-    pub(super) size: usize,
+    size: usize,
     /// Bundles of each pixel that were merged into its cell.
-    pub(super) own: &'a [f32],
+    own: &'a [f32],
     /// What each pixel's own rays found.
-    pub(super) mean: &'a [f32],
+    mean: &'a [f32],
 }
 
 /// Guesses from one size after the other, the finest first, where a pixel can use them ([`usable`]).

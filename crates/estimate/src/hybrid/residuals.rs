@@ -209,8 +209,8 @@ fn sixteen<S: Simd>(
             (sums[1], samples, one)
         } else {
             let (found, over) = (sums[FIXED + 2 * k - 2], sums[FIXED + 2 * k - 1]);
-            // Rays that err more than the guess say little of it, unless they find far more than their own noise, the square
-            // root of 2/n of it.
+            // Rays that err more than the guess say little of it, unless they find more than twice what n samples of their own
+            // variance scatter by: the square root of 2/n of it.
             let chance = sums[2] * (f32x16::splat(simd, 8.0) / samples.max(one)).sqrt();
             let sure = (before * over).max(found - chance).max(f32x16::splat(simd, f32::MIN_POSITIVE));
             let noise = one + sums[2] / sure;

@@ -42,7 +42,10 @@ impl Hybrid {
             pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, bundles: 1 }).collect();
         self.rays = Rays { unit, stratified: STRATIFIED as f32 };
         self.trace(plan, bvh, points, &lattice, control);
-        self.rays = self.pilot(plan, bvh, points, &lattice);
+        // Points that were not reached have nothing to be compared with.
+        if !control.is_cancelled() {
+            self.rays = self.pilot(plan, bvh, points, &lattice);
+        }
     }
 
     /// Traces some of the lattice's points again, with other rays: half the squared difference is the variance of a bundle.

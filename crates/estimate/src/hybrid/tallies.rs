@@ -1,6 +1,7 @@
 //! What the rays of each pixel found, and how far that can be trusted.
 
 use conray_core::Vec3;
+use rayon::prelude::*;
 
 /// The unit in which points get rays: a bundle, an aligned block of their sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,4 +82,16 @@ impl Rays {
         let unseen = 0.01 / (self.unit.rays * self.unit.rays) as f32;
         self.stratified * cells_variance + unseen
     }
+}
+
+/// Mean variance of a bundle over all pixels that have rays.
+pub(super) fn mean_bundle(tallies: &[Tally], rays: &Rays) -> f32 {
+    // Part by part, so that the order of the sum does not depend on threads.
+    let part = |tallies: &[Tally]| {
+        let with_rays = tallies.iter().filter(|t| t.bundles > 0);
+        with_rays.fold((0.0, 0u32), |(sum, count), t| (sum + f64::from(t.cells_variance()), count + 1))
+    };
+    let parts: Vec<(f64, u32)> = tallies.par_chunks(1 << 14).map(part).collect();
+    let (sum, count) = parts.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    rays.bundle((sum / f64::from(count.max(1))) as f32)
 }

@@ -1,11 +1,11 @@
 //! What rays, neighbours and errors come to: each weighed by its expected squared error.
 
 use super::{
-    cells::{Pyramid, mean_bundle},
+    cells::Pyramid,
     pixels::Pixels,
     regress::{Guess, guesses, usable},
     residuals::{self, Local},
-    tallies::{Rays, Tally},
+    tallies::{Rays, Tally, mean_bundle},
 };
 use conray_bvh::Level;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ pub(super) const SIZES: usize = 5;
 /// Sizes over whose cells errors are looked at, the widest first.
 const ERROR_SIZES: [usize; 3] = [4, 2, 0];
 /// Squared error of saying one half where nothing is known.
-pub(super) const UNKNOWN: f32 = 0.05;
+const UNKNOWN: f32 = 0.05;
 /// The least that a guess can err: the noise of its neighbours' rays alone, which are a little better together than apart.
 const LEAST_NOISE: f32 = 0.7;
 

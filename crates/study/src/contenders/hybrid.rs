@@ -34,12 +34,7 @@ impl Contender for Hybrid {
         let mut hybrid = case.session.hybrid(&plan, &case.target).ok_or_else(missing)?;
         case.session.refine(&mut hybrid, &plan, case.target.points(), f64::from(effort), control);
         let estimates = case.session.install(|| hybrid.estimates());
-        Ok(Answer {
-            visibility: estimates.iter().map(|e| e.visibility).collect(),
-            expected_error: Some(estimates.iter().map(|e| e.error).collect()),
-            rays: hybrid.rays(),
-            cones: 0,
-        })
+        Ok(Answer::of(&estimates, hybrid.rays(), 0))
     }
 }
 
