@@ -1,94 +1,122 @@
 //! Who gets rays next.
 
 use super::{
-    pixels::{NO_POINT, Pixels},
-    tallies::{Rays, Tally},
+    pixels::Pixels,
+    tallies::{FULL, Rays, Tally},
     weigh::{Known, together},
 };
 use rayon::prelude::*;
 
-/// Share of the mean number of bundles that every point must have.
+/// Share of the mean number of rays that every point must have.
 const LEAST_SHARE: f64 = 0.5;
 
 /// A point's first rays count for so much more: they also help its neighbours, and find out where guesses are wrong.
 const FIRST_RAYS: f32 = 4.0;
 
-/// A point and the bundles that it is to get.
+/// Share of the time of a full bundle that a bundle of no rays takes: a unit takes 0.45 of it.
+const START: f32 = 0.27;
+
+/// A point and the units that it is to get.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Order {
     /// Place of its pixel.
     pub(super) at: u32,
-    pub(super) bundles: u32,
+    pub(super) units: u32,
 }
 
-/// What a bundle would gain at one point.
-#[derive(Clone, Copy)]
+/// What more rays would gain at one point: a step, and a further one that gains less for its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Candidate {
-    /// Bits of the gain, which is not negative: they order as it does.
-    gain: u32,
-    order: Order,
+    /// Bits of the gains, which are not negative: they order as those do.
+    gains: [u32; 2],
+    units: [u32; 2],
 }
 
-/// Orders for `budget` bundles in all, or a few less; in the order of the points, whose neighbours then share what they meet.
+/// Orders for `budget` units in all, or a few less; in the order of the points, whose neighbours then share what they meet.
 ///
-/// Neyman's rule, a step at a time: a bundle goes where it lowers the expected squared error most. A point without rays gets
-/// one, one that has some gets as many again, since sequences are best at powers of two. Errors are only estimates, so no
-/// point is left far behind the mean.
-pub(super) fn choose(
-    pixels: &Pixels,
-    tallies: &[Tally],
-    known: &[Known],
-    rays: &Rays,
-    budget: u64,
-) -> Vec<Order> {
+/// Neyman's rule, in steps: rays go where they lower the expected squared error most for their time. Steps double what
+/// a point has, since sequences are best at powers of two, or make a full bundle of it. Errors are only estimates, so no point is
+/// left far behind the mean.
+pub(super) fn choose(pixels: &Pixels, tallies: &[Tally], known: &Known, lattice: u32, budget: u64) -> Vec<Order> {
     let points = pixels.place_of.len().max(1);
-    let had: u64 = tallies.iter().map(|t| u64::from(t.bundles)).sum();
-    let least = (LEAST_SHARE * had as f64 / points as f64) as u32;
-    let candidate = |&at: &u32| {
-        if at == NO_POINT {
-            return Candidate { gain: 0, order: Order { at, bundles: 0 } };
+    let had: u64 = tallies.iter().map(|t| u64::from(t.units)).sum();
+    let least = (LEAST_SHARE * had as f64 / (points as f64 * f64::from(lattice))) as u32 * lattice;
+    let candidate = |at: usize| {
+        if pixels.is_covered(at) {
+            let dither = dither(at % pixels.stride, at / pixels.stride);
+            candidate(known, at, tallies[at].units, lattice, least, dither)
+        } else {
+            Candidate::default()
         }
-        let (index, x, y) = (at as usize, at as usize % pixels.stride, at as usize / pixels.stride);
-        let had = tallies[index].bundles;
-        let bundles = had.max(1);
-        let known = &known[index];
-        let after = |bundles| together(known.guess_error2, rays.variance(known.cells_variance, bundles));
-        let first = if had == 0 { FIRST_RAYS } else { 1.0 };
-        let gain = first * (after(had) - after(had + bundles)) / bundles as f32 * dither(x, y);
-        let gain = if had < least { f32::INFINITY } else { gain.max(0.0) };
-        Candidate { gain: gain.to_bits(), order: Order { at, bundles } }
     };
     let candidates: Vec<Candidate> =
-        pixels.place_of.par_iter().with_min_len(1 << 12).map(candidate).collect();
-    let least_gain = threshold(&candidates, budget);
-    // Of those that gain just as much, the first ones.
-    let above = |c: &&Candidate| c.gain > least_gain;
-    let mut left = budget - candidates.iter().filter(above).map(|c| u64::from(c.order.bundles)).sum::<u64>();
-    let mut chosen = |c: &Candidate| {
-        let cost = u64::from(c.order.bundles);
-        let fits = c.gain == least_gain && cost <= left && cost > 0;
-        left -= if fits { cost } else { 0 };
-        c.gain > least_gain || fits
-    };
-    candidates.iter().filter(|c| chosen(c)).map(|c| c.order).collect()
-}
-
-/// The least gain above which the budget pays for all.
-fn threshold(candidates: &[Candidate], budget: u64) -> u32 {
-    let cost = |gain: u32| -> u64 {
-        let above = candidates.par_iter().with_min_len(1 << 12).filter(|c| c.gain > gain);
-        above.map(|c| u64::from(c.order.bundles)).sum()
-    };
-    let (mut low, mut high) = (0, f32::INFINITY.to_bits());
-    while low < high {
-        let middle = low + (high - low) / 2;
-        if cost(middle) <= budget {
-            high = middle;
-        } else {
-            low = middle + 1;
+        (0..pixels.len()).into_par_iter().with_min_len(1 << 12).map(candidate).collect();
+    let (least_gain, mut left) = threshold(&candidates, budget);
+    let mut orders = Vec::new();
+    for (at, Candidate { gains, units }) in candidates.iter().enumerate() {
+        let mut order = Order { at: at as u32, units: 0 };
+        for (&gain, &units) in gains.iter().zip(units) {
+            // Of those that gain just as much, the first ones.
+            let fits = gain == least_gain && u64::from(units) <= left;
+            left -= if fits { u64::from(units) } else { 0 };
+            order.units += if gain > least_gain || fits { units } else { 0 };
+        }
+        if order.units > 0 {
+            orders.push(order);
         }
     }
-    low
+    orders
+}
+
+/// The steps of a point that has so many units; one that has less than `least` must take the first.
+fn candidate(known: &Known, at: usize, had: u32, lattice: u32, least: u32, dither: f32) -> Candidate {
+    let (guess_error2, unit_variance) = (known.guess_error2[at], known.unit_variance[at]);
+    let after = |units| {
+        let own = if units == 0 { f32::INFINITY } else { Rays::variance(unit_variance, units) };
+        together(guess_error2, own)
+    };
+    let near = (2 * had).max(lattice);
+    let far = if had > 0 { near.max(FULL) } else { near };
+    let first = if had == 0 { FIRST_RAYS } else { 1.0 };
+    let gain = |from, to| dither * first * (after(from) - after(to)) / (time(to - had) - time(from - had));
+    let (step, further) = (gain(had, near), if far > near { gain(near, far) } else { 0.0 });
+    let (gains, units) = if further <= step {
+        ([step, further], [near - had, far - near])
+    } else {
+        ([gain(had, far), 0.0], [far - had, 0])
+    };
+    let must = if had < least { f32::INFINITY } else { 0.0 };
+    Candidate { gains: [gains[0].max(must), gains[1].max(0.0)].map(f32::to_bits), units }
+}
+
+/// Time that tracing so many units at one point takes, in that of a full bundle.
+fn time(units: u32) -> f32 {
+    let bundles = units as f32 / FULL as f32;
+    if units > 0 && bundles < 1.0 { START + (1.0 - START) * bundles } else { bundles }
+}
+
+/// The least gain above which the budget pays for all, and what is left of it.
+fn threshold(candidates: &[Candidate], budget: u64) -> (u32, u64) {
+    const DIGIT: u32 = u16::BITS;
+    // Digit by digit, from the highest down: as many as the budget pays for.
+    let (mut found, mut left) = (0, budget);
+    for shift in [DIGIT, 0] {
+        let mut costs = vec![0u64; 1 << DIGIT];
+        for Candidate { gains, units } in candidates {
+            for (gain, &units) in gains.iter().zip(units) {
+                if shift == DIGIT || gain >> DIGIT == found >> DIGIT {
+                    costs[(gain >> shift) as usize % (1 << DIGIT)] += u64::from(units);
+                }
+            }
+        }
+        let mut digit = costs.len() - 1;
+        while digit > 0 && costs[digit] <= left {
+            left -= costs[digit];
+            digit -= 1;
+        }
+        found |= (digit as u32) << shift;
+    }
+    (found, left)
 }
 
 /// Between 0.6 and 1.4, each value at pixels far from each other: where some of many like pixels are chosen they are spread.

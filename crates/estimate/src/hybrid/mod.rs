@@ -17,7 +17,9 @@ mod bent;
 mod bundles;
 mod cells;
 mod choose;
+mod columns;
 mod likeness;
+mod look;
 mod pixels;
 mod regress;
 mod residuals;
@@ -28,12 +30,12 @@ mod window;
 
 use crate::{AoPlan, Control, cpu::INVALID};
 use choose::Order;
-use conray_bvh::Bvh;
+use conray_bvh::{Bvh, Level};
 use conray_core::{Estimate, SurfacePoint};
 use pixels::{NO_POINT, Pixels};
 use rayon::prelude::*;
-use tallies::{Bundle, Rays, Tally};
-use weigh::Known;
+use tallies::{Rays, Tally, UNIT};
+use weigh::{Known, Weigher};
 
 /// Bundles of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
 fn this_round(had: u64, left: u64, points: u64) -> u64 {
@@ -52,7 +54,8 @@ pub struct Hybrid {
     rays: Rays,
     /// Rays traced to find out how rays err; they are in no tally.
     pilot_rays: u64,
-    known: Vec<Known>,
+    known: Known,
+    weigher: Weigher,
 }
 
 impl Hybrid {
@@ -60,21 +63,21 @@ impl Hybrid {
     pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
         let pixels = Pixels::new(points, width, height, plan.distance);
         let tallies = vec![Tally::default(); pixels.len()];
-        let rays = Rays { unit: Bundle::of(0.0), stratified: 1.0 };
-        Self { pixels, tallies, rays, pilot_rays: 0, known: Vec::new() }
+        let rays = Rays { unit: 1.0, full: 1.0, first: 1 };
+        Self { pixels, tallies, rays, pilot_rays: 0, known: Known::default(), weigher: Weigher::default() }
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
-        let bundles: u64 = self.tallies.iter().map(|t| u64::from(t.bundles)).sum();
-        bundles * u64::from(self.rays.unit.rays) + self.pilot_rays
+        let units: u64 = self.tallies.iter().map(|t| u64::from(t.units)).sum();
+        units * u64::from(UNIT) + self.pilot_rays
     }
 
     /// Expected root mean square error over all points; infinite before the first rays.
     pub fn expected_rmse(&self) -> f64 {
-        let errors = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT && !self.known.is_empty());
+        let errors = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT && !self.known.value.is_empty());
         let (sum, count) = errors.fold((0.0, 0u64), |(sum, count), &at| {
-            (sum + f64::from(self.known[at as usize].error2), count + 1)
+            (sum + f64::from(self.known.error2[at as usize]), count + 1)
         });
         if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
     }
@@ -98,11 +101,10 @@ impl Hybrid {
         if covered == 0 || control.is_cancelled() {
             return;
         }
-        if self.known.is_empty() {
+        if self.known.value.is_empty() {
             self.start(plan, bvh, points, rays_per_point, control);
-            self.weigh(bvh);
         }
-        let unit = u64::from(self.rays.unit.rays);
+        let unit = u64::from(UNIT);
         let goal = (rays_per_point * covered as f64 / unit as f64).round() as u64;
         while !control.is_cancelled() {
             let had = self.rays() / unit;
@@ -112,12 +114,15 @@ impl Hybrid {
                 break;
             }
             let now = this_round(had, left, covered as u64);
-            let orders = choose::choose(&self.pixels, &self.tallies, &self.known, &self.rays, now);
+            let orders = choose::choose(&self.pixels, &self.tallies, &self.known, self.rays.first, now);
             if orders.is_empty() {
                 break;
             }
             self.trace(plan, bvh, points, &orders, control);
-            self.weigh(bvh);
+            self.weigh(bvh.level());
+        }
+        if self.known.value.is_empty() {
+            self.weigh(bvh.level());
         }
     }
 
@@ -130,16 +135,14 @@ impl Hybrid {
         orders: &[Order],
         control: Control<'_>,
     ) {
-        let unit = self.rays.unit;
         let one = |order: &Order| {
             if control.is_cancelled() {
                 return Tally::default();
             }
-            let (point, had) =
-                (self.pixels.point[order.at as usize], self.tallies[order.at as usize].bundles);
-            let range = had..had + order.bundles;
-            let found = bundles::trace(plan, bvh, &points[point as usize], unit, range, 0);
-            (control.progress)((order.bundles * unit.rays) as usize);
+            let at = order.at as usize;
+            let (point, had) = (self.pixels.point[at] as usize, self.tallies[at].units);
+            let found = bundles::trace(plan, bvh, &points[point], had..had + order.units, 0);
+            (control.progress)((order.units * UNIT) as usize);
             found
         };
         let found: Vec<Tally> = orders.par_iter().with_min_len(64).map(one).collect();
@@ -148,8 +151,8 @@ impl Hybrid {
         }
     }
 
-    fn weigh(&mut self, bvh: &Bvh) {
-        self.known = weigh::weigh(bvh.level(), &self.pixels, &self.tallies, &self.rays);
+    fn weigh(&mut self, level: Level) {
+        self.weigher.weigh(level, &self.pixels, &self.tallies, &self.rays, &mut self.known);
     }
 
     /// The estimates so far, one a point: pending before the first rays, and of infinite error where a point is not valid.
@@ -158,13 +161,14 @@ impl Hybrid {
             if at == NO_POINT {
                 return INVALID;
             }
-            let Some(known) = self.known.get(at as usize) else { return Estimate::PENDING };
-            let tally = &self.tallies[at as usize];
+            let at = at as usize;
+            let Some(&visibility) = self.known.value.get(at) else { return Estimate::PENDING };
+            let tally = &self.tallies[at];
             Estimate {
-                visibility: known.value,
-                error: known.error2.sqrt(),
-                rays: tally.bundles * self.rays.unit.rays,
-                bent: bent::bent(&self.pixels, &self.tallies, at as usize, known.value),
+                visibility,
+                error: self.known.error2[at].sqrt(),
+                rays: tally.units * UNIT,
+                bent: bent::bent(&self.pixels, &self.tallies, at, visibility),
                 cone: None,
             }
         };

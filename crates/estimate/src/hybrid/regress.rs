@@ -1,6 +1,6 @@
 //! What the neighbours of each pixel say of it: a local linear fit to the cells about it, its own rays left out.
 //!
-//! The 5 x 5 cells about a pixel are weighed by their bundles and by how like they are; visibility is fitted as a linear
+//! The 5 x 5 cells about a pixel are weighed by their worth and by how like they are; visibility is fitted as a linear
 //! function on the tangent plane and read off at the pixel. A ridge keeps the slope finite where the cells do not tell it.
 //! (Local linear fits for noisy pixels: Moon, Carr, Yoon, "Adaptive Rendering Based on Weighted Local Regression", 2014.)
 //!
@@ -8,24 +8,24 @@
 //! from gain nothing: the choice itself is noisy.
 
 use super::{
-    cells::{CHANNELS, Cells, Pyramid},
+    cells::{CHANNELS, Channels, Pyramid},
+    columns::{Columns, in_parts},
     likeness::Centres,
     pixels::Pixels,
+    tallies::Rays,
+    weigh::SIZES,
     window::{Grid, Window},
 };
 use conray_bvh::Level;
 use conray_core::LANES;
 use fearless_simd::{Select, Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Cells on either side of a pixel's own.
 const REACH: usize = 2;
 const ROWS: usize = 2 * REACH + 1;
-/// Least weight, in bundles, from which something can be said.
+/// Least weight, in units of rays, from which something can be said.
 const LEAST_WEIGHT: f32 = 0.05;
-/// Formal variance, in that of a bundle, from which cells say enough.
-const ENOUGH: f32 = 0.5;
 /// One of so many pixels is too few to look at another size for.
 const FEW: usize = 200;
 /// Slope of visibility that is expected, per unit of length.
@@ -33,92 +33,132 @@ const SLOPE: f32 = 2.0;
 /// Squared difference of visibility that is expected where planes and normals alone make likeness fall to 1/e, over 8.
 const BEND: f32 = 0.01;
 
-/// What cells of one size say of all pixels.
-#[derive(Clone, Debug)]
+/// What cells of one size say of all pixels, and what the pixels' own rays say of that.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Guess {
     pub(super) value: Vec<f32>,
     /// Formal variance, in units of the variance of one bundle; infinite where nothing like was found.
     pub(super) formal: Vec<f32>,
+    /// Squared difference to what the pixel's own rays found, less their variance; 0 where there are none, or no guess.
+    pub(super) off: Vec<f32>,
+    /// The formal variance where that is told, else 0.
+    pub(super) over: Vec<f32>,
 }
 
-/// One size of cells, and which pixels are part of theirs.
+/// Guesses from one size after the other, the finest first, where a pixel can use them (see [`Rays::enough`]).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guesses {
+    all: Vec<Guess>,
+    /// The size from which each pixel knows enough.
+    enough: Vec<u8>,
+    sizes: usize,
+}
+
+impl Guesses {
+    /// Those of each size, as far as they are needed.
+    pub(super) fn of_sizes(&self) -> &[Guess] {
+        &self.all[..self.sizes]
+    }
+
+    /// Looks at what is known.
+    pub(super) fn make(&mut self, level: Level, pixels: &Pixels, columns: &Columns, pyramid: &Pyramid, rays: &Rays) {
+        let enough = rays.enough();
+        self.enough.clear();
+        self.enough.resize(pixels.len(), u8::MAX);
+        self.sizes = 0;
+        let mut lacking = pixels.place_of.len();
+        for size in 0..SIZES {
+            if size > 1 && lacking * FEW < pixels.place_of.len() {
+                break;
+            }
+            if self.all.len() == size {
+                self.all.push(Guess::default());
+            }
+            let layer = Layer::new(pixels, columns, pyramid, enough, size, false);
+            lacking = self.all[size].make(level, &layer, &mut self.enough);
+            self.sizes = size + 1;
+        }
+        // Where no size says enough, whatever says anything counts.
+        for (size, guess) in self.all[..self.sizes - 1].iter_mut().enumerate() {
+            guess.make(level, &Layer::new(pixels, columns, pyramid, enough, size, true), &mut self.enough);
+        }
+    }
+}
+
+/// One size of cells, and what is known of the pixels.
 struct Layer<'a> {
-    cells: &'a Cells<'a>,
+    pixels: &'a Pixels,
+    columns: &'a Columns,
     /// Cells have `1 << size` pixels a side.
     size: usize,
-    /// Bundles of each pixel that were merged into its cell.
-    own: &'a [f32],
-    /// What each pixel's own rays found.
-    mean: &'a [f32],
+    grid: Grid,
+    channels: Channels<'a>,
+    widest: &'a [f32],
+    fit: Fit,
+    /// Formal variance from which cells say enough.
+    enough: f32,
+    /// A second look at pixels of which no size said enough.
+    again: bool,
 }
 
-/// Guesses from one size after the other, the finest first, where a pixel can use them ([`usable`]).
-pub(super) fn guesses(
-    level: Level,
-    pixels: &Pixels,
-    pyramid: &Pyramid<'_>,
-    mean: &[f32],
-    bundle: f32,
-) -> Vec<Guess> {
-    let mut found: Vec<Guess> = Vec::new();
-    // The size from which each pixel knows enough.
-    let mut enough = vec![u8::MAX; pixels.len()];
-    for (size, (cells, own)) in pyramid.cells.iter().zip(&pyramid.own).enumerate() {
-        let lacks = |&at: &usize| usize::from(enough[at]) + 1 >= size && pixels.is_covered(at);
-        let lacking = (0..pixels.len()).into_par_iter().with_min_len(1 << 12).filter(lacks).count();
-        if size > 1 && lacking * FEW < pixels.place_of.len() {
-            break;
-        }
-        let layer = Layer { cells, size, own, mean };
-        let guess = guess(level, pixels, &layer, bundle, &mut enough);
-        found.push(guess);
+impl<'a> Layer<'a> {
+    fn new(
+        pixels: &'a Pixels,
+        columns: &'a Columns,
+        pyramid: &'a Pyramid,
+        enough: f32,
+        size: usize,
+        again: bool,
+    ) -> Self {
+        let (grid, channels) = pyramid.grid(pixels, columns, size);
+        let fit = Fit { ridge: columns.unit / (SLOPE * SLOPE), bend: BEND / columns.unit };
+        Self { pixels, columns, size, grid, channels, widest: &pyramid.widest, fit, enough, again }
     }
-    found
+
+    /// True for a pixel that these cells are asked about.
+    fn is_wanted(&self, at: usize, enough: u8) -> bool {
+        let lacks = if self.again { enough == u8::MAX } else { usize::from(enough) + 1 >= self.size };
+        lacks && self.pixels.is_covered(at)
+    }
 }
 
-/// The guesses of a pixel that count: of the finest size that says enough, else of the finest that says anything; and of the
-/// next.
-pub(super) fn usable(guesses: &[Guess], at: usize) -> Range<usize> {
-    let first = guesses.iter().position(|g| g.formal[at] <= ENOUGH);
-    let first = first.or_else(|| guesses.iter().position(|g| g.formal[at].is_finite())).unwrap_or(0);
-    first..(first + 2).min(guesses.len())
-}
-
-/// `bundle` is the mean variance of a bundle.
-fn guess(level: Level, pixels: &Pixels, layer: &Layer<'_>, bundle: f32, enough: &mut [u8]) -> Guess {
-    let channels: Vec<&[f32]> = layer.cells.channels.iter().map(|c| &c[..]).collect();
-    let (cells, size) = (layer.cells, layer.size);
-    let grid = Grid { width: cells.width, height: cells.height, stride: cells.stride, channels: &channels };
-    let fit = Fit { ridge: bundle / (SLOPE * SLOPE), bend: BEND / bundle };
-    // Zeroed memory costs nothing until a thread writes to it.
-    let mut out = Guess { value: vec![0.0; pixels.len()], formal: vec![0.0; pixels.len()] };
-    let rows = pixels.stride << size;
-    let window = || Window::new(pixels.stride, size, REACH, CHANNELS);
-    let parts =
-        out.value.par_chunks_mut(rows).zip(out.formal.par_chunks_mut(rows)).zip(enough.par_chunks_mut(rows));
-    parts.enumerate().for_each_init(window, |window, (row, ((value, formal), enough))| {
-        let mut loaded = false;
-        for x in (0..value.len()).step_by(LANES) {
-            let (at, lanes) = (row * rows + x, x..x + LANES);
-            let lacks = |i: usize| usize::from(enough[i]) + 1 >= size && pixels.is_covered(row * rows + i);
-            if !lanes.clone().any(lacks) {
-                formal[lanes].fill(f32::INFINITY);
-                continue;
-            }
-            if !loaded {
-                window.load(&grid, row, size);
-                loaded = true;
-            }
-            let out = [&mut value[x..], &mut formal[x..]];
-            dispatch!(level, simd => sixteen(simd, pixels, window, layer, at, &fit, out));
-            for i in lanes {
-                if enough[i] == u8::MAX && formal[i] <= ENOUGH {
-                    enough[i] = size as u8;
+impl Guess {
+    /// Looks at cells of one size; tells how many pixels want the next.
+    fn make(&mut self, level: Level, layer: &Layer<'_>, enough: &mut [u8]) -> usize {
+        let (pixels, size) = (layer.pixels, layer.size);
+        let mut out = [&mut self.value, &mut self.formal, &mut self.off, &mut self.over];
+        out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
+        let rows = pixels.stride << size;
+        let window = || Window::new(pixels.stride, size, REACH, CHANNELS);
+        let parts = in_parts(&mut out, rows).into_par_iter().zip(enough.par_chunks_mut(rows));
+        let lacking = parts.enumerate().map_init(window, |window, (row, (mut out, enough))| {
+            let (mut loaded, mut lacking) = (false, 0);
+            for x in (0..enough.len()).step_by(LANES) {
+                let (at, lanes) = (row * rows + x, x..x + LANES);
+                let mut told = layer.again;
+                if lanes.clone().any(|i| layer.is_wanted(row * rows + i, enough[i])) {
+                    if !loaded {
+                        window.load(&layer.grid, &layer.channels, row, size);
+                        loaded = true;
+                    }
+                    told |= dispatch!(level, simd => sixteen(simd, layer, window, at, x, &mut out));
+                }
+                if !told {
+                    out[1][lanes.clone()].fill(f32::INFINITY);
+                    out[2][lanes.clone()].fill(0.0);
+                    out[3][lanes.clone()].fill(0.0);
+                }
+                for i in lanes.filter(|i| pixels.is_covered(row * rows + i)) {
+                    if enough[i] == u8::MAX && out[1][i] <= layer.enough {
+                        enough[i] = size as u8;
+                    }
+                    lacking += usize::from(usize::from(enough[i]) >= size);
                 }
             }
-        }
-    });
-    out
+            lacking
+        });
+        lacking.sum()
+    }
 }
 
 /// What the fit expects.
@@ -142,51 +182,56 @@ struct Sums<S: Simd> {
     vy: f32x16<S>,
 }
 
+/// Sixteen pixels, `at` and on, places `x` and on of the parts; false where the cells cannot say enough.
 #[inline(always)]
 fn sixteen<S: Simd>(
     simd: S,
-    pixels: &Pixels,
-    window: &Window,
     layer: &Layer<'_>,
+    window: &Window,
     at: usize,
-    fit: &Fit,
-    [value, formal]: [&mut [f32]; 2],
-) {
-    let size = layer.size;
-    let centres = Centres::load(simd, pixels, at, size);
+    x: usize,
+    out: &mut [&mut [f32]],
+) -> bool {
+    let (size, column_of_image) = (layer.size, at % layer.pixels.stride);
+    if !layer.again && !can_say_enough(simd, layer, window, column_of_image) {
+        return false;
+    }
+    let centres = Centres::load(simd, layer.pixels, at, size);
     let [[ux, uy, uz], [vx, vy, vz]] = tangents(simd, centres.normal);
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let bend = f32x16::splat(simd, fit.bend);
+    let bend = f32x16::splat(simd, layer.fit.bend);
     let mut sums =
         Sums { weight: zero, u: zero, v: zero, uu: zero, uv: zero, vv: zero, y: zero, uy: zero, vy: zero };
-    let x = at % pixels.stride;
     for row in 0..ROWS {
         for column in 0..ROWS {
             let to = [column, row];
-            let mut bundles = f32x16::from_slice(simd, window.sixteen(0, to, x, size));
-            let mut y = f32x16::from_slice(simd, window.sixteen(1, to, x, size));
-            let mut dx = f32x16::from_slice(simd, window.sixteen(2, to, x, size)) - centres.position[0];
-            let mut dy = f32x16::from_slice(simd, window.sixteen(3, to, x, size)) - centres.position[1];
-            let mut dz = f32x16::from_slice(simd, window.sixteen(4, to, x, size)) - centres.position[2];
+            let mut worth = f32x16::from_slice(simd, window.sixteen(0, to, column_of_image, size));
+            let mut y = f32x16::from_slice(simd, window.sixteen(1, to, column_of_image, size));
+            let mut dx = f32x16::from_slice(simd, window.sixteen(2, to, column_of_image, size)) - centres.position[0];
+            let mut dy = f32x16::from_slice(simd, window.sixteen(3, to, column_of_image, size)) - centres.position[1];
+            let mut dz = f32x16::from_slice(simd, window.sixteen(4, to, column_of_image, size)) - centres.position[2];
             let normal = [
-                f32x16::from_slice(simd, window.sixteen(5, to, x, size)),
-                f32x16::from_slice(simd, window.sixteen(6, to, x, size)),
-                f32x16::from_slice(simd, window.sixteen(7, to, x, size)),
+                f32x16::from_slice(simd, window.sixteen(5, to, column_of_image, size)),
+                f32x16::from_slice(simd, window.sixteen(6, to, column_of_image, size)),
+                f32x16::from_slice(simd, window.sixteen(7, to, column_of_image, size)),
             ];
             if row == REACH && column == REACH {
                 // The pixel's own part leaves its cell; what is left stands further off, on the other side.
-                let own = f32x16::from_slice(simd, &layer.own[at..at + LANES]);
-                let left = bundles - own;
+                let part = f32x16::from_slice(simd, &layer.widest[at..at + LANES])
+                    .simd_ge(f32x16::splat(simd, size as f32));
+                let own = f32x16::from_slice(simd, &layer.columns.worth[at..at + LANES]);
+                let own = part.select(own, zero);
+                let left = worth - own;
                 let some = left.simd_gt(f32x16::splat(simd, 0.5));
                 let share = some.select(own / left, zero);
-                y += (y - f32x16::from_slice(simd, &layer.mean[at..at + LANES])) * share;
+                y += (y - f32x16::from_slice(simd, &layer.columns.mean[at..at + LANES])) * share;
                 dx += dx * share;
                 dy += dy * share;
                 dz += dz * share;
-                bundles = some.select(left, zero);
+                worth = some.select(left, zero);
             }
             let likeness = centres.likeness(simd, [dx, dy, dz], normal);
-            let weight = bundles * likeness.near / (one + bundles * likeness.bent * bend);
+            let weight = worth * likeness.near / (one + worth * likeness.bent * bend);
             let u = dx * ux + dy * uy + dz * uz;
             let v = dx * vx + dy * vy + dz * vz;
             let (wu, wv) = (weight * u, weight * v);
@@ -201,9 +246,30 @@ fn sixteen<S: Simd>(
             sums.vy += wv * y;
         }
     }
-    let (fitted, spread) = solve(simd, &sums, fit.ridge);
-    fitted.store_slice(&mut value[..LANES]);
-    spread.store_slice(&mut formal[..LANES]);
+    let (fitted, formal) = solve(simd, &sums, layer.fit.ridge);
+    let column = |column: &[f32]| f32x16::from_slice(simd, &column[at..at + LANES]);
+    let told = column(&layer.columns.sampled) * formal.simd_lt(f32x16::splat(simd, f32::MAX)).select(one, zero);
+    let told = told.simd_gt(zero);
+    let off = column(&layer.columns.mean) - fitted;
+    let off = off * off - column(&layer.columns.variance);
+    let found = [fitted, formal, told.select(off, zero), told.select(formal, zero)];
+    for (out, found) in out.iter_mut().zip(found) {
+        found.store_slice(&mut out[x..x + LANES]);
+    }
+    true
+}
+
+/// Even if all neighbours were alike in all: could their rays be enough?
+#[inline(always)]
+fn can_say_enough<S: Simd>(simd: S, layer: &Layer<'_>, window: &Window, x: usize) -> bool {
+    let size = layer.size;
+    let mut worth = f32x16::splat(simd, 0.0);
+    for row in 0..ROWS {
+        for column in 0..ROWS {
+            worth += f32x16::from_slice(simd, window.sixteen(0, [column, row], x, size));
+        }
+    }
+    size + 1 == SIZES || worth.simd_ge(f32x16::splat(simd, 1.0 / layer.enough)).any_true()
 }
 
 /// The fit at the centre and its formal variance.

@@ -1,6 +1,8 @@
 //! The first rays: a lattice of points, some traced twice to find out how rays err here.
 
-use super::{Hybrid, NO_POINT, Order, Rays, bundles, tallies::Bundle};
+use super::{Hybrid, NO_POINT, Order, Rays, bundles, look,
+    tallies::{FULL, UNIT, worth},
+};
 use crate::{AoPlan, Control};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
@@ -10,10 +12,16 @@ use rayon::prelude::*;
 const FIRST_SHARE: f64 = 0.25;
 /// Most pixels between points of the lattice, as a power of two.
 const WIDEST: f64 = 4.0;
-/// Points that are traced twice at most, and of how many one is.
+/// Most pixels between points of a lattice that can stand for all.
+const NEAR: usize = 2;
+/// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
+const MANY: f64 = 32.0;
+/// Points that are traced again at most, and for how many units of the lattice one is.
 const PAIRS: usize = 2048;
-const PAIR_OF: usize = 16;
-/// Variance of a bundle over that of independent rays in its cells, before any pair: about what scenes have.
+const PAIR_OF: usize = 32;
+/// Least ratio between what holds of units and of full bundles: as if visibility jumped nowhere.
+const LEAST_RATIO: f64 = 0.1;
+/// Variance over that of independent rays in each cell, before any pair: about what scenes have.
 const STRATIFIED: f64 = 0.5;
 /// That guess counts for so many pairs.
 const PRIOR_PAIRS: f64 = 64.0;
@@ -30,8 +38,8 @@ impl Hybrid {
         rays_per_point: f64,
         control: Control<'_>,
     ) {
-        let unit = Bundle::of(rays_per_point);
-        let area = f64::from(unit.rays) / (FIRST_SHARE * rays_per_point.max(f64::MIN_POSITIVE));
+        let first = if rays_per_point < MANY { 1 } else { FULL };
+        let area = f64::from(first * UNIT) / (FIRST_SHARE * rays_per_point.max(f64::MIN_POSITIVE));
         let step = 1 << (0.5 * area.log2()).ceil().clamp(0.0, WIDEST) as usize;
         let pixels = &self.pixels;
         let in_lattice = |&&at: &&u32| {
@@ -39,37 +47,57 @@ impl Hybrid {
             at != NO_POINT && x % step == step / 2 && y % step == step / 2
         };
         let lattice: Vec<Order> =
-            pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, bundles: 1 }).collect();
-        self.rays = Rays { unit, stratified: STRATIFIED as f32 };
+            pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, units: first }).collect();
+        self.rays = Rays { unit: STRATIFIED as f32, full: STRATIFIED as f32, first };
         self.trace(plan, bvh, points, &lattice, control);
         // Points that were not reached have nothing to be compared with.
         if !control.is_cancelled() {
             self.rays = self.pilot(plan, bvh, points, &lattice);
+            let level = bvh.level();
+            if step <= NEAR {
+                let (pixels, tallies) = (&self.pixels, &self.tallies);
+                self.known = look::look(level, pixels, tallies, &self.rays, step, &mut self.weigher);
+            } else {
+                self.weigh(level);
+            }
         }
     }
 
-    /// Traces some of the lattice's points again, with other rays: half the squared difference is the variance of a bundle.
+    /// Traces full bundles of other rays at some of the lattice's points: half the squared difference of two that are alike is their
+    /// variance. What holds of units and of full bundles then follows from each other, for eight times the variance is
+    /// expected of a unit.
     fn pilot(&mut self, plan: &AoPlan, bvh: &Bvh, points: &[SurfacePoint], lattice: &[Order]) -> Rays {
-        let unit = self.rays.unit;
-        let pairs = PAIRS.min(lattice.len() / PAIR_OF);
+        let first = self.rays.first;
+        let pairs = PAIRS.min(lattice.len() * first as usize / PAIR_OF);
         let every = lattice.len() / pairs.max(1);
         let pair = |k: usize| {
             let at = lattice[k * every].at as usize;
-            let first = &self.tallies[at];
-            let again = bundles::trace(plan, bvh, &points[self.pixels.point[at] as usize], unit, 0..1, SALT);
-            let off = f64::from(again.mean() - first.mean());
-            [off * off, f64::from(again.variance + first.variance)]
+            let tally = &self.tallies[at];
+            let again = bundles::again(plan, bvh, &points[self.pixels.point[at] as usize], SALT);
+            let (off, formal) = if first == FULL {
+                (again.mean - tally.mean(), again.in_full + tally.in_fulls)
+            } else {
+                (again.first - tally.mean(), again.in_units + tally.in_units)
+            };
+            [off * off, formal, again.in_units, again.in_full].map(f64::from)
         };
-        let found: Vec<[f64; 2]> = (0..pairs).into_par_iter().map(pair).collect();
-        let (mut squares, mut formal) = (0.0, 0.0);
-        for [square, variance] in found {
+        let found: Vec<[f64; 4]> = (0..pairs).into_par_iter().map(pair).collect();
+        let [mut squares, mut formal, mut in_units, mut in_fulls] = [0.0; 4];
+        for [square, variance, in_unit, in_full] in found {
             squares += square;
             formal += variance;
+            in_units += in_unit;
+            in_fulls += in_full;
         }
-        self.pilot_rays = pairs as u64 * u64::from(unit.rays);
+        self.pilot_rays = pairs as u64 * u64::from(FULL * UNIT);
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
-        let stratified =
-            if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
-        Rays { unit, stratified: stratified as f32 }
+        let found = if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
+        let full_to_unit = if in_units > 0.0 { f64::from(worth(FULL)) * in_fulls / in_units } else { 1.0 };
+        let [unit, full] = if first == FULL {
+            [found * full_to_unit, found]
+        } else {
+            [found, found / full_to_unit.max(LEAST_RATIO)]
+        };
+        Rays { unit: unit as f32, full: full as f32, first }
     }
 }

@@ -1,97 +1,99 @@
 //! What the rays of each pixel found, and how far that can be trusted.
 
 use conray_core::Vec3;
-use rayon::prelude::*;
+use fearless_simd::{Simd, f32x16, prelude::*};
 
-/// The unit in which points get rays: a bundle, an aligned block of their sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Bundle {
-    /// Rays of one.
-    pub(super) rays: u32,
-    /// Cells of the square on each side, within which its rays count as independent: so many that four rays lie in each.
-    pub(super) side: u32,
-}
+/// Rays of a unit, in which rays are given out: an aligned block of a point's sequence.
+pub(super) const UNIT: u32 = 16;
+/// Units that are traced together: a full bundle.
+pub(super) const FULL: u32 = conray_bvh::BUNDLE_RAYS as u32 / UNIT;
 
-impl Bundle {
-    /// Where there are few rays: more points get some.
-    const SMALL: Self = Self { rays: 16, side: 2 };
-    /// As many as are traced together.
-    const FULL: Self = Self { rays: conray_bvh::BUNDLE_RAYS as u32, side: 4 };
-
-    /// For a budget of so many rays a point. Full ones cost less for each ray.
-    pub(super) fn of(rays_per_point: f64) -> Self {
-        if rays_per_point < MANY { Self::SMALL } else { Self::FULL }
-    }
-}
-
-/// From so many rays a point on, full bundles leave less error in the same time.
-const MANY: f64 = 32.0;
-
-/// Sums over the bundles of one point.
+/// Sums over the rays of one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tally {
-    /// Bundles traced.
-    pub(super) bundles: u32,
-    /// Sum over bundles of the mean visibility.
+    /// Units traced.
+    pub(super) units: u32,
+    /// Full bundles among them.
+    pub(super) fulls: u32,
+    /// Sum over units of the mean visibility.
     pub(super) sum: f32,
-    /// Sum over bundles of the variance of a bundle's mean, as if its rays were independent within each cell of the square.
-    pub(super) variance: f32,
-    /// Sum over bundles of the mean open direction.
+    /// Sum over units outside full bundles of the variance of the mean, as if their rays were independent within each of 2 x 2
+    /// cells of the square of directions.
+    pub(super) in_units: f32,
+    /// Sum over full bundles of the variance of the mean, as if their rays were independent within each of 4 x 4 cells.
+    pub(super) in_fulls: f32,
+    /// Sum over units of the mean open direction.
     pub(super) bent: Vec3,
 }
 
 impl Tally {
     /// Mean visibility; 0 without rays.
     pub(super) fn mean(&self) -> f32 {
-        self.sum / self.bundles.max(1) as f32
-    }
-
-    /// Mean over the bundles of their variance within cells; 0 without rays.
-    pub(super) fn cells_variance(&self) -> f32 {
-        self.variance / self.bundles.max(1) as f32
+        self.sum / self.units.max(1) as f32
     }
 
     pub(super) fn merge(&mut self, other: &Self) {
-        self.bundles += other.bundles;
+        self.units += other.units;
+        self.fulls += other.fulls;
         self.sum += other.sum;
-        self.variance += other.variance;
+        self.in_units += other.in_units;
+        self.in_fulls += other.in_fulls;
         self.bent += other.bent;
     }
 }
 
 /// How rays err in a scene.
+///
+/// The variance of the mean of `n` units is that of one over `n^3/2`: visibility jumps along curves in the square of directions, and
+/// there stratified points err so (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rays {
-    pub(super) unit: Bundle,
-    /// Variance of a bundle over what rays that are independent in each cell would have.
-    pub(super) stratified: f32,
+    /// Variance of a unit over what rays that are independent in each of its cells would have.
+    pub(super) unit: f32,
+    /// The same of a full bundle.
+    pub(super) full: f32,
+    /// Units that the points of the lattice got.
+    pub(super) first: u32,
+}
+
+/// So much better is a full bundle than a unit.
+const FULL_WORTH: f32 = worth_of_full();
+
+const fn worth_of_full() -> f32 {
+    assert!(FULL == 4);
+    6.727_171
+}
+
+/// How many times the precision of one unit so many have.
+pub(super) fn worth(units: u32) -> f32 {
+    let units = units as f32;
+    let fourth = units.sqrt().sqrt();
+    units * fourth * fourth.sqrt()
 }
 
 impl Rays {
-    /// Variance of the mean of so many bundles, from the variance within cells of one.
-    ///
-    /// It falls as `bundles^-3/2`: visibility jumps along curves in the square of directions, and there stratified points err
-    /// so (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
-    pub(super) fn variance(&self, cells_variance: f32, bundles: u32) -> f32 {
-        let bundles = bundles as f32;
-        self.bundle(cells_variance) / (bundles * bundles.sqrt())
+    /// Variance of one unit as a point's own rays tell it; 0 without rays.
+    pub(super) fn unit_variance(&self, tally: &Tally) -> f32 {
+        let fulls = FULL as f32 * FULL_WORTH * self.full * tally.in_fulls;
+        (self.unit * tally.in_units + fulls) / tally.units.max(1) as f32
     }
 
-    /// That of one bundle. Where all rays agree, one in a hundred bundles may still hold one ray that does not.
-    pub(super) fn bundle(&self, cells_variance: f32) -> f32 {
-        let unseen = 0.01 / (self.unit.rays * self.unit.rays) as f32;
-        self.stratified * cells_variance + unseen
-    }
-}
+    /// Where all rays agree, one in a hundred units may still hold one ray that does not.
+    pub(super) const UNSEEN: f32 = 0.04 / (UNIT * UNIT) as f32;
 
-/// Mean variance of a bundle over all pixels that have rays.
-pub(super) fn mean_bundle(tallies: &[Tally], rays: &Rays) -> f32 {
-    // Part by part, so that the order of the sum does not depend on threads.
-    let part = |tallies: &[Tally]| {
-        let with_rays = tallies.iter().filter(|t| t.bundles > 0);
-        with_rays.fold((0.0, 0u32), |(sum, count), t| (sum + f64::from(t.cells_variance()), count + 1))
-    };
-    let parts: Vec<(f64, u32)> = tallies.par_chunks(1 << 14).map(part).collect();
-    let (sum, count) = parts.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    rays.bundle((sum / f64::from(count.max(1))) as f32)
+    /// Variance of the mean of so many units.
+    pub(super) fn variance(unit_variance: f32, units: u32) -> f32 {
+        (unit_variance + Self::UNSEEN) / worth(units)
+    }
+
+    /// That of one, for sixteen points at a time.
+    #[inline(always)]
+    pub(super) fn units<S: Simd>(simd: S, unit_variance: f32x16<S>) -> f32x16<S> {
+        unit_variance + f32x16::splat(simd, Self::UNSEEN)
+    }
+
+    /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.
+    pub(super) fn enough(&self) -> f32 {
+        0.5 / worth(self.first)
+    }
 }

@@ -2,92 +2,180 @@
 
 use super::{
     cells::Pyramid,
+    columns::{Columns, in_parts},
     pixels::Pixels,
-    regress::{Guess, guesses, usable},
-    residuals::{self, Local},
-    tallies::{Rays, Tally, mean_bundle},
+    regress::{Guess, Guesses},
+    residuals::{Everywhere, Local, Sums, Told},
+    tallies::{Rays, Tally},
+    window::Window,
 };
 use conray_bvh::Level;
+use conray_core::LANES;
+use fearless_simd::{Select, Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Sizes of cells, pixels among them.
 pub(super) const SIZES: usize = 5;
-/// Sizes over whose cells errors are looked at, the widest first.
-const ERROR_SIZES: [usize; 3] = [4, 2, 0];
+/// Sizes over whose cells errors are looked at before single pixels, the widest last.
+const ERROR_SIZES: [usize; 2] = [2, 4];
 /// Squared error of saying one half where nothing is known.
-const UNKNOWN: f32 = 0.05;
+pub(super) const UNKNOWN: f32 = 0.05;
 /// The least that a guess can err: the noise of its neighbours' rays alone, which are a little better together than apart.
 const LEAST_NOISE: f32 = 0.7;
 
-/// What is known of one pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is known of each pixel.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Known {
     /// Visibility.
-    pub(super) value: f32,
+    pub(super) value: Vec<f32>,
     /// Its expected squared error.
-    pub(super) error2: f32,
+    pub(super) error2: Vec<f32>,
     /// Expected squared error of what the neighbours say, the pixel's own rays left out.
-    pub(super) guess_error2: f32,
-    /// Variance of a bundle within cells of the square.
-    pub(super) cells_variance: f32,
+    pub(super) guess_error2: Vec<f32>,
+    /// Variance of one unit of rays.
+    pub(super) unit_variance: Vec<f32>,
 }
 
-impl Known {
-    /// Nothing.
-    pub(super) const NOTHING: Self =
-        Self { value: 0.5, error2: UNKNOWN, guess_error2: UNKNOWN, cells_variance: 0.25 };
+/// Weighs all that is known; holds its memory for the next time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Weigher {
+    columns: Columns,
+    pyramid: Pyramid,
+    guesses: Guesses,
+    sums: [Sums; ERROR_SIZES.len()],
 }
 
-/// Weighs all that is known.
-pub(super) fn weigh(level: Level, pixels: &Pixels, tallies: &[Tally], rays: &Rays) -> Vec<Known> {
-    let of_each =
-        |f: fn(&Tally) -> f32| tallies.par_iter().with_min_len(1 << 12).map(f).collect::<Vec<f32>>();
-    let (bundles, mean) = (of_each(|t| t.bundles as f32), of_each(Tally::mean));
-    let pyramid = Pyramid::new(pixels, &bundles, &mean, SIZES);
-    let bundle = mean_bundle(tallies, rays);
-    let guesses = guesses(level, pixels, &pyramid, &mean, bundle);
-    let told = residuals::told(tallies, rays, &guesses);
-    let mut local = Local::everywhere(&told);
-    for size in ERROR_SIZES {
-        let (cells, own) = (&pyramid.cells[size], &pyramid.own[size]);
-        local = if size == 0 {
-            local.refined(level, pixels, cells, size, &told)
-        } else {
-            local.refined(level, pixels, cells, size, &residuals::of_cells(pixels, cells, size, own, &told))
-        };
-    }
-    let known = |at: usize| {
-        if pixels.is_covered(at) { one(at, tallies, rays, &guesses, &local) } else { Known::NOTHING }
-    };
-    (0..pixels.len()).into_par_iter().with_min_len(1 << 12).map(known).collect()
-}
-
-fn one(at: usize, tallies: &[Tally], rays: &Rays, guesses: &[Guess], local: &Local) -> Known {
-    let cells_variance = local.at(0, at);
-    let bundle = rays.bundle(cells_variance);
-    let (mut weights, mut value, mut error2) = (0.0, 0.0, 0.0);
-    for size in usable(guesses, at) {
-        let (guess, factor) = (&guesses[size], local.at(1 + size, at));
-        let formal = guess.formal[at];
-        if formal.is_finite() {
-            let expected = formal * f32::max(factor, LEAST_NOISE * bundle);
-            // Both see the same neighbours, so that their mean is no better than they are; the better one counts more.
-            let weight = 1.0 / (expected * expected);
-            weights += weight;
-            value += weight * guess.value[at];
-            error2 += weight * expected;
+impl Weigher {
+    /// Brings what is known up to date.
+    pub(super) fn weigh(
+        &mut self,
+        level: Level,
+        pixels: &Pixels,
+        tallies: &[Tally],
+        rays: &Rays,
+        known: &mut Known,
+    ) {
+        let Self { columns, pyramid, guesses, sums } = self;
+        columns.fill(pixels, tallies, rays);
+        pyramid.build(pixels, columns, SIZES);
+        guesses.make(level, pixels, columns, pyramid, rays);
+        let of_pixels = Told::of_pixels(pixels, columns, pyramid, guesses);
+        for (sums, size) in sums.iter_mut().zip(ERROR_SIZES) {
+            sums.fill(pixels, columns, pyramid, &of_pixels, size);
         }
+        let everywhere = sums[0].everywhere();
+        let mut told = vec![of_pixels];
+        told.extend(sums.iter().map(|sums| Told::of_cells(sums, pixels, columns, pyramid)));
+        let guesses = guesses.of_sizes();
+        let witnesses = Witnesses { pixels, columns, guesses, told, everywhere, rays };
+        let mut out =
+            [&mut known.value, &mut known.error2, &mut known.guess_error2, &mut known.unit_variance];
+        out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
+        let windows = || witnesses.told.iter().map(|told| told.window(pixels)).collect::<Vec<_>>();
+        // Rows by fours, which share the rows of cells.
+        let rows = in_parts(&mut out, 4 * pixels.stride);
+        rows.into_par_iter().enumerate().for_each_init(windows, |windows, (part, mut out)| {
+            for x in (0..out[0].len()).step_by(LANES) {
+                let at = part * 4 * pixels.stride + x;
+                if x % pixels.stride == 0 {
+                    let row = at / pixels.stride;
+                    witnesses.told.iter().zip(&mut *windows).for_each(|(told, window)| told.load(window, row));
+                }
+                if (at..at + LANES).any(|at| pixels.is_covered(at)) {
+                    dispatch!(level, simd => sixteen(simd, &witnesses, windows, at, x, &mut out));
+                }
+            }
+        });
     }
-    let (guess, guess_error2) =
-        if weights > 0.0 { (value / weights, (error2 / weights).min(UNKNOWN)) } else { (0.5, UNKNOWN) };
-    let tally = &tallies[at];
-    let own_error2 = rays.variance(cells_variance, tally.bundles);
-    let value = if tally.bundles == 0 {
-        guess
-    } else {
-        (guess * own_error2 + tally.mean() * guess_error2) / (own_error2 + guess_error2)
-    };
-    Known { value, error2: together(guess_error2, own_error2), guess_error2, cells_variance }
+}
+
+/// All that is known before it is weighed.
+struct Witnesses<'a> {
+    pixels: &'a Pixels,
+    columns: &'a Columns,
+    guesses: &'a [Guess],
+    /// Of pixels, then of ever wider cells.
+    told: Vec<Told<'a>>,
+    everywhere: Everywhere,
+    rays: &'a Rays,
+}
+
+/// Sixteen pixels, `at` and on, places `x` and on of the parts: value, error, error of the guess, variance.
+#[inline(always)]
+fn sixteen<S: Simd>(
+    simd: S,
+    witnesses: &Witnesses<'_>,
+    windows: &[Window],
+    at: usize,
+    x: usize,
+    out: &mut [&mut [f32]],
+) {
+    let (pixels, columns, rays) = (witnesses.pixels, witnesses.columns, witnesses.rays);
+    let splat = |value: f32| f32x16::splat(simd, value);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let usable = usable(simd, witnesses.guesses, rays.enough(), at);
+    let mut local = Local::everywhere(simd, &witnesses.everywhere);
+    for (told, window) in witnesses.told.iter().zip(windows).rev() {
+        local.refine(simd, pixels, told, window, at, usable.sizes.clone());
+    }
+    let unit = Rays::units(simd, local.unit_variance);
+    let least = splat(LEAST_NOISE) * unit;
+    let (mut weights, mut value, mut error2) = (zero, zero, zero);
+    for size in usable.sizes {
+        let guess = &witnesses.guesses[size];
+        let formal = f32x16::from_slice(simd, &guess.formal[at..at + LANES]);
+        let used = formal.simd_lt(splat(f32::MAX)) & usable.first.simd_le(splat(size as f32))
+            & usable.first.simd_ge(splat(size as f32 - 1.0));
+        let expected = formal * local.factors[size].max(least);
+        // Both see the same neighbours, so that their mean is no better than they are; the better one counts more.
+        let weight = used.select(one / (expected * expected), zero);
+        weights += weight;
+        value += used.select(weight * f32x16::from_slice(simd, &guess.value[at..at + LANES]), zero);
+        error2 += used.select(weight * expected, zero);
+    }
+    let some = weights.simd_gt(zero);
+    let guess = some.select(value / weights, splat(0.5));
+    let guess_error2 = some.select((error2 / weights).min(splat(UNKNOWN)), splat(UNKNOWN));
+    let worth = f32x16::from_slice(simd, &columns.worth[at..at + LANES]);
+    let mean = f32x16::from_slice(simd, &columns.mean[at..at + LANES]);
+    let sampled = worth.simd_gt(zero);
+    let own_error2 = sampled.select(unit / worth, one);
+    let both = own_error2 + guess_error2;
+    let share = sampled.select(guess_error2 / both, zero);
+    let value = guess + (mean - guess) * share;
+    let error2 = sampled.select(own_error2 * share, guess_error2);
+    for (out, found) in out.iter_mut().zip([value, error2, guess_error2, local.unit_variance]) {
+        found.store_slice(&mut out[x..x + LANES]);
+    }
+}
+
+/// The guesses of sixteen pixels that count.
+struct Usable<S: Simd> {
+    /// For each pixel the finest size that says enough, else the finest that says anything; it counts, and the next.
+    first: f32x16<S>,
+    /// Those that count anywhere.
+    sizes: Range<usize>,
+}
+
+#[inline(always)]
+fn usable<S: Simd>(simd: S, guesses: &[Guess], least: f32, at: usize) -> Usable<S> {
+    let none = guesses.len() as f32;
+    let (mut enough, mut any) = (f32x16::splat(simd, none), f32x16::splat(simd, none));
+    for (size, guess) in guesses.iter().enumerate().rev() {
+        let formal = f32x16::from_slice(simd, &guess.formal[at..at + LANES]);
+        let this = f32x16::splat(simd, size as f32);
+        enough = formal.simd_le(f32x16::splat(simd, least)).select(this, enough);
+        any = formal.simd_lt(f32x16::splat(simd, f32::MAX)).select(this, any);
+    }
+    let first = enough.simd_lt(f32x16::splat(simd, none)).select(enough, any);
+    let of_each: [f32; LANES] = first.into();
+    let (mut low, mut high) = (guesses.len(), 0);
+    for first in of_each {
+        low = low.min(first as usize);
+        high = high.max((first as usize + 2).min(guesses.len()));
+    }
+    Usable { first, sizes: low..high.max(low) }
 }
 
 /// Expected squared error of the mean of two, weighted by their own.

@@ -20,14 +20,13 @@ pub(super) struct Window {
     top: usize,
 }
 
-/// Channels of cells, row by row.
-#[derive(Clone, Copy)]
-pub(super) struct Grid<'a> {
+/// How cells lie, row by row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
     pub(super) width: usize,
     pub(super) height: usize,
     /// Places in a row.
     pub(super) stride: usize,
-    pub(super) channels: &'a [&'a [f32]],
 }
 
 impl Window {
@@ -40,8 +39,8 @@ impl Window {
         Self { values, channels, reach, stride, before, held: vec![usize::MAX; rows], top: 0 }
     }
 
-    /// Moves on to the rows about row `row` of the cells of one grid; what lies outside it is 0.
-    pub(super) fn load(&mut self, grid: &Grid<'_>, row: usize, size: usize) {
+    /// Moves on to the rows about row `row` of the channels of one grid; what lies outside it is 0.
+    pub(super) fn load(&mut self, grid: &Grid, channels: &[&[f32]], row: usize, size: usize) {
         self.top = row;
         for key in row..row + self.held.len() {
             let slot = key % self.held.len();
@@ -54,7 +53,7 @@ impl Window {
                 rows.fill(0.0);
                 continue;
             };
-            for (out, channel) in rows.chunks_mut(self.stride).zip(grid.channels) {
+            for (out, channel) in rows.chunks_mut(self.stride).zip(channels) {
                 let from = &channel[y * grid.stride..][..grid.width];
                 let (out, rest) =
                     out[self.before..].split_at_mut((grid.width << size).min(self.stride - self.before));
@@ -91,11 +90,11 @@ mod tests {
             let cells: Vec<f32> = (0..width * height).map(|i| 1.0 + i as f32).collect();
             let twice: Vec<f32> = cells.iter().map(|c| 2.0 * c).collect();
             let channels = [&cells[..], &twice[..]];
-            let grid = Grid { width, height, stride: width, channels: &channels };
+            let grid = Grid { width, height, stride: width };
             let pixels = (width << size).next_multiple_of(LANES);
             let mut window = Window::new(pixels, size, 1, 2);
             for row in [0, 1, 2, 0, 2] {
-                window.load(&grid, row, size);
+                window.load(&grid, &channels, row, size);
                 for x in (0..pixels).step_by(LANES) {
                     for (dx, dy) in (0..9).map(|k| (k % 3, k / 3)) {
                         let found = [0, 1].map(|c| window.sixteen(c, [dx, dy], x, size));
