@@ -10,6 +10,9 @@
 //!    +---- choose.rs: more bundles where they lower the error most <--+
 //! ```
 //!
+//! refine.rs goes round until a budget is spent: forecast.rs foresees rays and errors, costs.rs knows what time they take, evenly.rs
+//! leaves the weighing out where it does not pay, state.rs keeps the work for later.
+//!
 //! A pixel's own rays are unbiased and their variance is known; the guess's squared error is what it was found to be. So the
 //! guess fades as rays come in and the result converges to the truth. `docs/method.md` derives it.
 
@@ -17,55 +20,86 @@ mod bent;
 mod bundles;
 mod cells;
 mod choose;
+mod costs;
+mod evenly;
+mod forecast;
 mod likeness;
 mod pixels;
+mod refine;
 mod regress;
 mod residuals;
 mod start;
+mod state;
 mod tallies;
 mod weigh;
 mod window;
 
-use crate::{AoPlan, Control, cpu::INVALID};
+pub use state::StateError;
+
+use crate::{Choice, Explanation, Round, cpu::INVALID};
 use choose::Order;
-use conray_bvh::Bvh;
+use conray_bvh::Level;
 use conray_core::{Estimate, SurfacePoint};
+use costs::Costs;
 use pixels::{NO_POINT, Pixels};
 use rayon::prelude::*;
+use std::{borrow::Cow, time::Instant};
 use tallies::{Bundle, Rays, Tally};
 use weigh::Known;
-
-/// Bundles of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
-fn this_round(had: u64, left: u64, points: u64) -> u64 {
-    let much = if EARLY * had < points { 4 * had } else { 2 * had };
-    if left > much { had.max(left.div_ceil(3)) } else { left }
-}
-
-/// Below a bundle for so many points it is early.
-const EARLY: u64 = 8;
 
 /// A target under work by method `hybrid`: refined as often as one likes, the same points handed in each time.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
     pixels: Pixels,
+    /// Places that have a point.
+    covered: u64,
+    /// Of whole rounds.
     tallies: Vec<Tally>,
+    /// What an interrupted round found, one a place; empty where there was none.
+    unfinished: Vec<Tally>,
     rays: Rays,
-    /// Rays traced to find out how rays err; they are in no tally.
+    /// True once the lattice is whole.
+    started: bool,
+    /// Rays traced to find out how rays err and what they cost, or left behind; they are in no tally.
     pilot_rays: u64,
     known: Vec<Known>,
+    rounds: Vec<Round>,
+    choice: Choice,
+    costs: Costs,
+    /// Rays a point that the plan reckons with.
+    foreseen: f64,
+    foreseen_rmse: Option<[f64; 2]>,
 }
 
 impl Hybrid {
     /// Work on the points of an image of that size: the `id` of each is its pixel, `y * width + x`.
-    pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
+    pub fn of_image(plan: &crate::AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
         let pixels = Pixels::new(points, width, height, plan.distance);
-        let tallies = vec![Tally::default(); pixels.len()];
-        let rays = Rays { unit: Bundle::of(0.0), stratified: 1.0 };
-        Self { pixels, tallies, rays, pilot_rays: 0, known: Vec::new() }
+        Self {
+            covered: pixels.place_of.iter().filter(|&&at| at != NO_POINT).count() as u64,
+            tallies: vec![Tally::default(); pixels.len()],
+            unfinished: Vec::new(),
+            rays: Rays { unit: Bundle::of(0.0), stratified: start::STRATIFIED as f32 },
+            started: false,
+            pilot_rays: 0,
+            known: Vec::new(),
+            rounds: Vec::new(),
+            choice: Choice::Hybrid,
+            costs: Costs::default(),
+            foreseen: 0.0,
+            foreseen_rmse: None,
+            pixels,
+        }
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
+        let bundles: u64 = self.unfinished.iter().map(|t| u64::from(t.bundles)).sum();
+        self.rays_of_rounds() + bundles * u64::from(self.rays.unit.rays)
+    }
+
+    /// Those of whole rounds and pilots.
+    fn rays_of_rounds(&self) -> u64 {
         let bundles: u64 = self.tallies.iter().map(|t| u64::from(t.bundles)).sum();
         bundles * u64::from(self.rays.unit.rays) + self.pilot_rays
     }
@@ -79,95 +113,58 @@ impl Hybrid {
         if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
     }
 
-    /// Adds rays until there are so many a point on average, in rounds; stops after any round when cancelled.
-    ///
-    /// `points` are those that the work began with. The result depends on the plan, the points and the calls so far, not on
-    /// threads.
-    ///
-    /// # Panics
-    /// If there are fewer points than the work began with.
-    pub fn refine(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        rays_per_point: f64,
-        control: Control<'_>,
-    ) {
-        let covered = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT).count();
-        if covered == 0 || control.is_cancelled() {
-            return;
-        }
-        if self.known.is_empty() {
-            self.start(plan, bvh, points, rays_per_point, control);
-            self.weigh(bvh);
-        }
-        let unit = u64::from(self.rays.unit.rays);
-        let goal = (rays_per_point * covered as f64 / unit as f64).round() as u64;
-        while !control.is_cancelled() {
-            let had = self.rays() / unit;
-            let left = goal.saturating_sub(had);
-            // A round costs some time of its own: none for a fiftieth.
-            if left * 50 <= goal {
-                break;
-            }
-            let now = this_round(had, left, covered as u64);
-            let orders = choose::choose(&self.pixels, &self.tallies, &self.known, &self.rays, now);
-            if orders.is_empty() {
-                break;
-            }
-            self.trace(plan, bvh, points, &orders, control);
-            self.weigh(bvh);
+    /// The plan as carried out so far, and why.
+    pub fn explanation(&self) -> Explanation {
+        Explanation {
+            points: self.covered,
+            choice: self.choice,
+            bundle_rays: self.rays.unit.rays,
+            foreseen_rays: self.foreseen,
+            ray_seconds: self.costs.ray_seconds,
+            weighing_seconds: self.costs.weighing_seconds,
+            foreseen_rmse: self.foreseen_rmse,
+            rounds: self.rounds.clone(),
         }
     }
 
-    /// Carries out orders.
-    fn trace(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        orders: &[Order],
-        control: Control<'_>,
-    ) {
-        let unit = self.rays.unit;
-        let one = |order: &Order| {
-            if control.is_cancelled() {
-                return Tally::default();
-            }
-            let (point, had) =
-                (self.pixels.point[order.at as usize], self.tallies[order.at as usize].bundles);
-            let range = had..had + order.bundles;
-            let found = bundles::trace(plan, bvh, &points[point as usize], unit, range, 0);
-            (control.progress)((order.bundles * unit.rays) as usize);
-            found
-        };
-        let found: Vec<Tally> = orders.par_iter().with_min_len(64).map(one).collect();
-        for (order, found) in orders.iter().zip(&found) {
-            self.tallies[order.at as usize].merge(found);
+    /// What all rays found, those of an interrupted round too.
+    fn shown(&self) -> Cow<'_, [Tally]> {
+        if self.unfinished.is_empty() {
+            return Cow::Borrowed(&self.tallies);
         }
+        let mut all = self.tallies.clone();
+        all.iter_mut().zip(&self.unfinished).for_each(|(all, more)| all.merge(more));
+        Cow::Owned(all)
     }
 
-    fn weigh(&mut self, bvh: &Bvh) {
-        self.known = weigh::weigh(bvh.level(), &self.pixels, &self.tallies, &self.rays);
+    fn weigh(&mut self, level: Level) {
+        let start = Instant::now();
+        self.known = weigh::weigh(level, &self.pixels, &self.shown(), &self.rays);
+        self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
     }
 
     /// The estimates so far, one a point: pending before the first rays, and of infinite error where a point is not valid.
     pub fn estimates(&self) -> Vec<Estimate> {
+        self.estimates_of(1)
+    }
+
+    /// Those of every so manieth point.
+    fn estimates_of(&self, every: usize) -> Vec<Estimate> {
+        let tallies = self.shown();
         let one = |&at: &u32| {
             if at == NO_POINT {
                 return INVALID;
             }
             let Some(known) = self.known.get(at as usize) else { return Estimate::PENDING };
-            let tally = &self.tallies[at as usize];
+            let tally = &tallies[at as usize];
             Estimate {
                 visibility: known.value,
                 error: known.error2.sqrt(),
                 rays: tally.bundles * self.rays.unit.rays,
-                bent: bent::bent(&self.pixels, &self.tallies, at as usize, known.value),
+                bent: bent::bent(&self.pixels, &tallies, at as usize, known.value),
                 cone: None,
             }
         };
-        self.pixels.place_of.par_iter().with_min_len(1 << 12).map(one).collect()
+        self.pixels.place_of.par_iter().step_by(every).with_min_len((1 << 12) / every).map(one).collect()
     }
 }

@@ -1,9 +1,6 @@
 //! The first rays: a lattice of points, some traced twice to find out how rays err here.
 
-use super::{Hybrid, NO_POINT, Order, Rays, bundles, tallies::Bundle};
-use crate::{AoPlan, Control};
-use conray_bvh::Bvh;
-use conray_core::SurfacePoint;
+use super::{Hybrid, NO_POINT, Order, Rays, bundles, refine::Work, tallies::Bundle};
 use rayon::prelude::*;
 
 /// Share of the rays that the lattice gets.
@@ -14,23 +11,19 @@ const WIDEST: f64 = 4.0;
 const PAIRS: usize = 2048;
 const PAIR_OF: usize = 16;
 /// Variance of a bundle over that of independent rays in its cells, before any pair: about what scenes have.
-const STRATIFIED: f64 = 0.5;
+pub(super) const STRATIFIED: f64 = 0.5;
 /// That guess counts for so many pairs.
 const PRIOR_PAIRS: f64 = 64.0;
 /// Chooses another sequence for the second of a pair: digits of pi.
-const SALT: u32 = 0x243f_6a88;
+pub(super) const SALT: u32 = 0x243f_6a88;
 
 impl Hybrid {
-    /// Traces the lattice for a budget of so many rays a point.
-    pub(super) fn start(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        rays_per_point: f64,
-        control: Control<'_>,
-    ) {
+    /// Traces the lattice for a budget of so many rays a point, in bundles that suit it; not started where it was interrupted.
+    pub(super) fn start(&mut self, work: &Work<'_>, rays_per_point: f64) {
         let unit = Bundle::of(rays_per_point);
+        if unit != self.rays.unit {
+            self.unfinished.clear();
+        }
         let area = f64::from(unit.rays) / (FIRST_SHARE * rays_per_point.max(f64::MIN_POSITIVE));
         let step = 1 << (0.5 * area.log2()).ceil().clamp(0.0, WIDEST) as usize;
         let pixels = &self.pixels;
@@ -41,22 +34,22 @@ impl Hybrid {
         let lattice: Vec<Order> =
             pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, bundles: 1 }).collect();
         self.rays = Rays { unit, stratified: STRATIFIED as f32 };
-        self.trace(plan, bvh, points, &lattice, control);
-        // Points that were not reached have nothing to be compared with.
-        if !control.is_cancelled() {
-            self.rays = self.pilot(plan, bvh, points, &lattice);
+        if self.trace(work, &lattice, f64::INFINITY) {
+            self.rays = self.pilot(work, &lattice);
+            self.started = true;
         }
     }
 
     /// Traces some of the lattice's points again, with other rays: half the squared difference is the variance of a bundle.
-    fn pilot(&mut self, plan: &AoPlan, bvh: &Bvh, points: &[SurfacePoint], lattice: &[Order]) -> Rays {
+    fn pilot(&mut self, work: &Work<'_>, lattice: &[Order]) -> Rays {
         let unit = self.rays.unit;
         let pairs = PAIRS.min(lattice.len() / PAIR_OF);
         let every = lattice.len() / pairs.max(1);
         let pair = |k: usize| {
             let at = lattice[k * every].at as usize;
             let first = &self.tallies[at];
-            let again = bundles::trace(plan, bvh, &points[self.pixels.point[at] as usize], unit, 0..1, SALT);
+            let point = &work.points[self.pixels.point[at] as usize];
+            let again = bundles::trace(work.plan, work.bvh, point, unit, 0..1, SALT);
             let off = f64::from(again.mean() - first.mean());
             [off * off, f64::from(again.variance + first.variance)]
         };
@@ -66,7 +59,7 @@ impl Hybrid {
             squares += square;
             formal += variance;
         }
-        self.pilot_rays = pairs as u64 * u64::from(unit.rays);
+        self.pilot_rays += pairs as u64 * u64::from(unit.rays);
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
         let stratified =
             if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };

@@ -14,9 +14,9 @@ pub(super) struct Bundle {
 
 impl Bundle {
     /// Where there are few rays: more points get some.
-    const SMALL: Self = Self { rays: 16, side: 2 };
+    pub(super) const SMALL: Self = Self { rays: 16, side: 2 };
     /// As many as are traced together.
-    const FULL: Self = Self { rays: conray_bvh::BUNDLE_RAYS as u32, side: 4 };
+    pub(super) const FULL: Self = Self { rays: conray_bvh::BUNDLE_RAYS as u32, side: 4 };
 
     /// For a budget of so many rays a point. Full ones cost less for each ray.
     pub(super) fn of(rays_per_point: f64) -> Self {
@@ -25,7 +25,7 @@ impl Bundle {
 }
 
 /// From so many rays a point on, full bundles leave less error in the same time.
-const MANY: f64 = 32.0;
+pub(super) const MANY: f64 = 32.0;
 
 /// Sums over the bundles of one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
