@@ -6,6 +6,8 @@ use std::time::Instant;
 
 /// Points of the timed pilot, spread over the target; more where there are many threads.
 const POINTS: usize = 256;
+/// Of how many points one is timed at most: small targets are not to be traced twice.
+const TIMED_OF: u64 = 32;
 const POINTS_A_THREAD: usize = 32;
 /// Of how many points one is asked to find out what answering takes.
 const ANSWER_OF: usize = 31;
@@ -36,7 +38,7 @@ impl Hybrid {
     /// Times bundles of both sizes at spread points.
     pub(super) fn time_rays(&mut self, work: &Work<'_>) {
         let threads = rayon::current_num_threads();
-        let wanted = POINTS.max(POINTS_A_THREAD * threads).min(self.covered as usize);
+        let wanted = POINTS.max(POINTS_A_THREAD * threads).min(self.covered.div_ceil(TIMED_OF) as usize);
         let places: Vec<u32> =
             (0..self.pixels.len() as u32).filter(|&at| self.pixels.is_covered(at as usize)).collect();
         let point =

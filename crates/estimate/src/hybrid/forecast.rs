@@ -20,7 +20,7 @@ const LEAST_GROWTH: f64 = 1.125;
 /// Share of the time left that is planned for, since rays go where they cost more than on average.
 const PLANNED: f64 = 0.93;
 /// What was traced in small bundles is left behind where full ones suit the budget and it is less than this share of it.
-const LEFT_BEHIND: f64 = 0.125;
+const LEFT_BEHIND: f64 = 0.25;
 /// How fast the squared error of neighbours' guesses falls with rays: between their noise, which falls faster, and their bias.
 const GUESS_POWER: f64 = 0.5;
 
@@ -73,9 +73,12 @@ impl Hybrid {
         if full >= MANY { full } else { of(Bundle::SMALL).min(MANY - 1.0) }
     }
 
-    /// True where it is better to begin anew with full bundles.
-    pub(super) fn outgrown(&self) -> bool {
-        self.rays.unit == Bundle::SMALL
+    /// True where it is better to begin anew with full bundles. What an error needs is not known from the lattice alone: on the
+    /// Cornell box errors fall much faster than foreseen.
+    pub(super) fn outgrown(&self, work: &Work<'_>) -> bool {
+        let is_known = work.budget.error.is_none() || self.rounds.len() > 1;
+        is_known
+            && self.rays.unit == Bundle::SMALL
             && Bundle::of(self.foreseen) == Bundle::FULL
             && self.rays_per_point() < LEFT_BEHIND * self.foreseen
     }

@@ -137,6 +137,7 @@ impl Hybrid {
         Cow::Owned(all)
     }
 
+    /// Weighs all that is shown.
     fn weigh(&mut self, level: Level) {
         let start = Instant::now();
         self.known = weigh::weigh(level, &self.pixels, &self.shown(), &self.rays);

@@ -1,6 +1,6 @@
 //! Rounds of rays until a budget is spent.
 
-use super::{Hybrid, NO_POINT, Order, bundles, choose, tallies::Tally};
+use super::{Hybrid, NO_POINT, Order, bundles, choose, tallies::Tally, weigh};
 use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
@@ -63,6 +63,10 @@ impl Hybrid {
         if work.budget.seconds.is_some() && !control.is_cancelled() {
             self.time_rays(work);
         }
+        if self.started && !self.unfinished.is_empty() && !control.is_cancelled() {
+            // An interrupted round is gone on with by what was known when it began.
+            self.known = weigh::weigh(work.bvh.level(), &self.pixels, &self.tallies, &self.rays);
+        }
         loop {
             if control.is_cancelled() {
                 return Ended::Cancelled;
@@ -71,7 +75,7 @@ impl Hybrid {
                 return Ended::Error;
             }
             self.foreseen = self.foresee(work);
-            if !self.started || self.outgrown() {
+            if !self.started || self.outgrown(work) {
                 self.begin(work);
                 continue;
             }
