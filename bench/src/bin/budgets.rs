@@ -18,6 +18,12 @@ struct Args {
     /// Runs of each
     #[arg(long, default_value_t = 5)]
     seeds: u32,
+    /// Methods: hybrid, rays
+    #[arg(long, value_delimiter = ',', default_values = ["hybrid"])]
+    methods: Vec<Method>,
+    /// Seconds
+    #[arg(long, value_delimiter = ',', default_values = ["0.02", "0.1", "0.3", "1", "3"])]
+    times: Vec<f64>,
     /// Rays a point for the truth
     #[arg(long, default_value_t = 4096)]
     truth: u32,
@@ -36,7 +42,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
     for name in &args.scenes {
         let mut bench =
             Bench::new(judged(name)?, &AoSettings::default(), (args.size, args.size), args.truth)?;
-        for method in [Method::Hybrid, Method::Rays] {
+        for &method in &args.methods {
             for error in [0.05, 0.02, 0.01, 0.005] {
                 for seed in 0..args.seeds {
                     let settings = AoSettings { method, error: Some(error), seed, ..AoSettings::default() };
@@ -55,7 +61,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
                     );
                 }
             }
-            for seconds in [0.02, 0.1, 0.3, 1.0, 3.0] {
+            for &seconds in &args.times {
                 let mut taken = Vec::new();
                 for seed in 0..args.seeds {
                     let settings = AoSettings { method, time: Some(seconds), seed, ..AoSettings::default() };
