@@ -81,7 +81,7 @@ impl Bench {
         let target = session.camera(&view, size.0, size.1)?;
         // Other random numbers than those of the runs that are judged.
         let truth_settings =
-            AoSettings { method: Method::Rays, rays: truth_rays, seed: 0x7eed, ..settings.clone() };
+            AoSettings { method: Method::Rays, rays: Some(truth_rays), seed: 0x7eed, ..settings.clone() };
         session.set_plan(&truth_settings)?;
         let truth = cached_truth(&name, &session, &target, &truth_settings)?;
         Ok(Self { name, session, target, truth })
@@ -120,7 +120,7 @@ fn cached_truth(
     {
         return Ok(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect());
     }
-    eprintln!("{name}: {} rays a point for the truth", settings.rays);
+    eprintln!("{name}: {:?} rays a point for the truth", settings.rays);
     let truth: Vec<f32> = session.estimate(target.points())?.iter().map(|e| e.visibility).collect();
     let bytes: Vec<u8> = truth.iter().flat_map(|v| v.to_le_bytes()).collect();
     let kept = fs::create_dir_all("target/truth")

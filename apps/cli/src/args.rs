@@ -24,7 +24,7 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 the work failed or was interrupted; 2 the request was wrong \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 the work failed, was interrupted or (with --strict) did not reach the error; 2 the request was wrong \
 (usage, settings); 3 the input could not be used.";
 
 const SCENE_HELP: &str =
@@ -62,6 +62,10 @@ pub(crate) struct RenderArgs {
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
+    /// Goes on from the work that this file keeps, where there is one, and keeps the work in it at the end and when interrupted;
+    /// only method hybrid. The same --rays or --error then gives the same bits as without interruption
+    #[arg(long, value_name = "FILE")]
+    pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! Failures and their exit codes.
 
 use conray::{
-    Error, VoxelError,
+    Error, StateError, VoxelError,
     scene::SceneError,
     target::{Fault, TargetError},
 };
@@ -73,6 +73,8 @@ impl From<Error> for Failure {
             Error::Scene(e) => e.into(),
             Error::Target(e) => e.into(),
             Error::Settings(e) => Self::Request(e.to_string()),
+            Error::State { problem: StateError::Other(_), .. } => Self::Request(format!("--state {error}")),
+            Error::State { .. } | Error::StateFile { .. } => Self::Input(error.to_string()),
             Error::Geometry(e) => Self::Input(e.to_string()),
             Error::Voxel(e @ VoxelError::MemoryLimit { .. }) => Self::Request(format!("--max-memory: {e}")),
             Error::Voxel(e) => Self::Input(e.to_string()),

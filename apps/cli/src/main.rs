@@ -2,6 +2,7 @@
 
 mod args;
 mod compare;
+mod explain;
 mod failure;
 mod info;
 mod inputs;

@@ -1,8 +1,8 @@
 //! `conray render`: the ambient occlusion that a camera sees.
 
-use crate::{args::RenderArgs, failure::Failure, inputs, interrupt, report};
+use crate::{args::RenderArgs, explain, failure::Failure, inputs, interrupt, report};
 use conray::{
-    AoSettings, Control, Event, Outcome, Session, SessionOptions, Stage, View,
+    AoSettings, Control, Event, Method, Outcome, PROGRESS_UNITS, Session, SessionOptions, Stage, View,
     scene::Scene,
     target::{self, CameraTarget, PngDepth, Target},
 };
@@ -11,11 +11,12 @@ use serde_json::json;
 use std::{
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, AtomicU64, Ordering},
+    time::Instant,
 };
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let settings = args.ao.settings();
-    settings.validate().map_err(|e| Failure::Request(e.to_string()))?;
+    let settings = args.ao.checked()?;
+    check_state(args, &settings)?;
     check_outputs(&args.output)?;
     let reporter = Reporter::new(args.run.json, args.run.quiet);
     let interrupted = interrupt::watch();
@@ -31,10 +32,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     let camera = session.camera(&view, width, height)?;
-    let outcome = estimate(&session, &camera, interrupted, &reporter)?;
+    let outcome = estimate(&session, &camera, args.state.as_deref(), interrupted, &reporter)?;
     write_outputs(args, &settings, &session, &camera, &outcome)?;
 
-    let lines = summary_lines(&name, &view, args, &settings, &session, &outcome, camera.points().len());
+    let missed = explain::missed(session.plan(), &outcome);
+    let mut lines = summary_lines(&name, &view, args, &settings, &session, &outcome, camera.points().len());
+    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome);
     let mut facts = report::work_json(&settings, session.report(), &outcome);
     facts["scene"] = json!(name);
     facts["triangles"] = json!(session.geometry().triangle_count());
@@ -48,7 +51,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if camera.points().is_empty() {
         reporter.warn("the view shows nothing of the scene");
     }
-    stop_if(interrupted, "what was done by then has been written")
+    stop_if(interrupted, "what was done by then has been written")?;
+    explain::check(args.ao.strict, missed)
+}
+
+/// Refuses a file of kept work that could not be used, before any work.
+fn check_state(args: &RenderArgs, settings: &AoSettings) -> Result<(), Failure> {
+    let Some(path) = &args.state else { return Ok(()) };
+    if settings.method != Method::Hybrid {
+        return Err(Failure::Request(format!("--state: needs --method hybrid, not {}", settings.method)));
+    }
+    if args.output.contains(path) {
+        return Err(Failure::Request(format!("--state {}: is an output too", path.display())));
+    }
+    Ok(target::check_writable(path)?)
 }
 
 /// Refuses outputs that could not be written, before any work.
@@ -70,11 +86,18 @@ fn extension(path: &Path) -> String {
 pub(crate) fn estimate<T: Target>(
     session: &Session,
     target: &T,
+    state: Option<&Path>,
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<Outcome, Failure> {
     let stage = Stage::Estimate;
-    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), session.work(target.points().len()));
+    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), PROGRESS_UNITS);
+    let (plan, points) = (session.plan(), target.points());
+    // What is kept belongs to this work or is refused, before any time is spent.
+    let kept = match (state, session.hybrid(plan, target)) {
+        (Some(path), Some(hybrid)) => Some((path, session.load(hybrid, plan, points, path)?)),
+        _ => None,
+    };
     reporter.event(Event::Started { stage });
     let progress = |work: usize| {
         let done = done.fetch_add(work as u64, Ordering::Relaxed) + work as u64;
@@ -84,7 +107,15 @@ pub(crate) fn estimate<T: Target>(
             reporter.event(Event::Progress { stage, done, total });
         }
     };
-    let outcome = session.run_target(target, Control { cancelled: interrupted, progress: &progress })?;
+    let control = Control { cancelled: interrupted, progress: &progress };
+    let outcome = match kept {
+        Some((path, mut hybrid)) => {
+            let outcome = session.run_hybrid(&mut hybrid, points, Instant::now(), control);
+            session.save(&hybrid, plan, points, path)?;
+            outcome
+        }
+        None => session.run_target(target, control)?,
+    };
     reporter.event(Event::Finished { stage, seconds: outcome.seconds });
     Ok(outcome)
 }

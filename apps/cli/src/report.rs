@@ -1,6 +1,7 @@
 //! What the program tells while it works and when it is done.
 
-use conray::{AoSettings, BuildReport, Event, Outcome, Stage, scene::Scene};
+use crate::explain;
+use conray::{AoPlan, AoSettings, BuildReport, Event, HARDLY_SEEN, Outcome, Stage, scene::Scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -155,10 +156,22 @@ pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, outcome: &O
     lines
 }
 
+/// Adds whether the error was missed and, where asked for, the plan.
+pub(crate) fn add_budget(lines: &mut Vec<String>, explained: bool, plan: &AoPlan, outcome: &Outcome) {
+    lines.extend(explain::missed(plan, outcome));
+    if explained {
+        lines.extend(explain::lines(plan, outcome));
+    }
+}
+
 /// The same facts for programs.
 pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, outcome: &Outcome) -> Value {
     json!({
         "completed": outcome.completed,
+        "ended": outcome.ended,
+        "expected_rmse": Some(outcome.expected_rmse).filter(|e| e.is_finite()),
+        "target_error": target_error(settings),
+        "plan": outcome.explanation,
         "bvh": { "seconds": build.bvh_seconds, "bytes": build.bvh_bytes },
         "octree": { "seconds": build.octree_seconds, "bytes": build.octree_bytes, "voxels": build.voxels },
         "seconds": outcome.seconds,
@@ -169,6 +182,12 @@ pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, outcome: &Ou
         "settings": settings,
         "changed_settings": changed_settings(settings).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
     })
+}
+
+/// The error that is to be reached, where there is one.
+fn target_error(settings: &AoSettings) -> Option<f32> {
+    let default = settings.rays.is_none() && settings.time.is_none();
+    settings.error.or(default.then_some(HARDLY_SEEN)).filter(|_| settings.method.has_budget())
 }
 
 /// Mean visibility and expected error over the points that were reached.

@@ -2,6 +2,7 @@
 
 use crate::{
     args::SampleArgs,
+    explain,
     failure::Failure,
     inputs, interrupt,
     render::{estimate, stop_if},
@@ -15,8 +16,7 @@ use conray::{
 use serde_json::json;
 
 pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
-    let settings = args.ao.settings();
-    settings.validate().map_err(|e| Failure::Request(e.to_string()))?;
+    let settings = args.ao.checked()?;
     if args.output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("ply")) {
         return Err(Failure::Request(format!("-o {}: must end in .ply", args.output.display())));
     }
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     let Scene { name, geometry, .. } = scene;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;
-    let outcome = estimate(&session, &points, interrupted, &reporter)?;
+    let outcome = estimate(&session, &points, None, interrupted, &reporter)?;
     if let Some(skipped) = points.skipped() {
         reporter.event(Event::Warning {
             message: format!(
@@ -51,11 +51,13 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
         lines.push(format!("mean visibility {visibility:.4}, expected error {error:.4}"));
     }
     lines.push(format!("wrote {}", args.output.display()));
+    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome);
     let mut facts = report::work_json(&settings, session.report(), &outcome);
     facts["scene"] = json!(name);
     facts["mean_visibility"] = json!(report::means(&outcome).map(|m| m.0));
     facts["expected_error"] = json!(report::means(&outcome).map(|m| m.1));
     facts["files"] = json!([args.output]);
     reporter.summary(&lines, facts);
-    stop_if(interrupted, "what was done by then has been written")
+    stop_if(interrupted, "what was done by then has been written")?;
+    explain::check(args.ao.strict, explain::missed(session.plan(), &outcome))
 }

@@ -46,7 +46,10 @@ fn main() -> Result<(), Error> {
         }
         row("paper", &AoSettings { method: Method::Paper, ..base.clone() })?;
         for rays in [1, 4, 16, 64] {
-            row(&format!("rays, {rays}"), &AoSettings { method: Method::Rays, rays, ..base.clone() })?;
+            row(
+                &format!("rays, {rays}"),
+                &AoSettings { method: Method::Rays, rays: Some(rays), ..base.clone() },
+            )?;
         }
     }
     Ok(())

@@ -27,6 +27,22 @@ pub enum Error {
     /// The backend lacks something that the plan needs.
     #[error(transparent)]
     Backend(#[from] conray_estimate::BackendError),
+    /// Kept work that cannot be gone on with.
+    #[error("{}: {problem}", path.display())]
+    State {
+        /// Its file.
+        path: std::path::PathBuf,
+        /// Why not.
+        problem: conray_estimate::StateError,
+    },
+    /// A file of kept work that cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    StateFile {
+        /// Its name.
+        path: std::path::PathBuf,
+        /// What the system says.
+        reason: String,
+    },
     /// The machine gave no threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

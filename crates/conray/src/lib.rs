@@ -12,7 +12,7 @@
 //! let ceiling = geometry.add_mesh(TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?)?;
 //! geometry.add_instance(ceiling, Affine3A::IDENTITY)?;
 //!
-//! let settings = AoSettings { method: Method::Rays, distance: 1.0.into(), rays: 1024, ..Default::default() };
+//! let settings = AoSettings { method: Method::Rays, distance: 1.0.into(), rays: Some(1024), ..Default::default() };
 //! let session = Session::build(geometry, &settings)?;
 //! let estimates = session.estimate(&[SurfacePoint::new(Vec3::ZERO, Vec3::Z)])?;
 //!
@@ -31,6 +31,7 @@ mod error;
 mod events;
 mod passes;
 mod session;
+mod state;
 mod together;
 
 pub use conray_bvh::Hit;
@@ -40,8 +41,9 @@ pub use conray_core::{
     TriangleMesh, Vec2, Vec3, View, Wrap,
 };
 pub use conray_estimate::{
-    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, ConeView, ConeViews, Control,
-    CpuBackend, Distance, Hybrid, Level, Method, Sampling, SettingsError, limits, merge,
+    AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, Budget, Choice, ConeView,
+    ConeViews, Control, CpuBackend, Distance, Ended, Explanation, HARDLY_SEEN, Hybrid, Level, Method,
+    PROGRESS_UNITS, Round, Sampling, SettingsError, StateError, limits, merge,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

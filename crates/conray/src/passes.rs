@@ -2,84 +2,179 @@
 
 use crate::{Error, Session};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{Backend, Control, merge};
-use std::{ops::Range, time::Instant};
+use conray_estimate::{Backend, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 /// What became of the points.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// One per point, in order; pending where the work was stopped before it reached the point.
     pub estimates: Vec<Estimate>,
-    /// False where the work was stopped early.
+    /// False where the caller stopped the work.
     pub completed: bool,
+    /// What ended the work.
+    pub ended: Ended,
+    /// Expected RMSE of visibility over the points that can be estimated; infinite where one was not reached or there is none.
+    pub expected_rmse: f64,
     /// Wall-clock time of the estimation alone.
     pub seconds: f64,
     /// Rays traced.
     pub rays: u64,
     /// Cones marched.
     pub cones: u64,
+    /// How the budget was spent, and why; `None` for methods that do one fixed amount of work.
+    pub explanation: Option<Explanation>,
 }
 
 /// Rays of the first pass: a quarter of a bundle, which costs little more than fewer would.
 const FIRST_PASS: u32 = 16;
 /// Rays of a pass at most, so that stopping is quick.
 const LARGEST_PASS: u32 = 256;
+/// Rays of a bundle: passes end where bundles do, those of the first few rays at a quarter.
+const BUNDLE: u32 = 64;
+/// Share of the time left that a pass may be foreseen to take.
+const PLANNED: f64 = 0.97;
 
-/// Ranges of samples: few first, then three times as many as all before, up to [`LARGEST_PASS`], so that the ranges end
-/// where bundles of 64 do.
-///
-/// The ranges depend on the number of samples alone, so results are the same bits wherever they are computed.
-fn passes(samples: u32) -> impl Iterator<Item = Range<u32>> {
-    let mut start = 0;
-    std::iter::from_fn(move || {
-        (start < samples).then(|| {
-            let now = if start == 0 { FIRST_PASS } else { (3 * start).min(LARGEST_PASS) };
-            let end = (start + now).min(samples);
-            std::mem::replace(&mut start, end)..end
-        })
-    })
+/// The next samples after `start`, none where the budget is spent: few first, then three times as many as all before, up to
+/// [`LARGEST_PASS`]; no more than `wanted` in all, in whole bundles where the budget allows.
+fn next_pass(start: u32, wanted: f64, most: u32) -> Option<Range<u32>> {
+    let now = if start == 0 { FIRST_PASS } else { (3 * start).min(LARGEST_PASS) };
+    let block = if start < BUNDLE { FIRST_PASS } else { BUNDLE };
+    // The conversion holds infinity at the largest integer.
+    let wanted = (wanted / f64::from(block)) as u32;
+    let end = start.saturating_add(now).min(wanted.saturating_mul(block)).max(if start == 0 {
+        FIRST_PASS
+    } else {
+        0
+    });
+    let end = end.min(most);
+    (end > start).then_some(start..end)
 }
 
 impl Session {
-    /// Estimates every point, telling of progress and stopping when asked to.
+    /// Estimates every point until the plan's budget is spent, telling of progress and stopping when asked to.
     ///
-    /// Progress counts points times samples, [`Session::work`] in all.
+    /// Progress is told in thousandths of the budget, [`crate::PROGRESS_UNITS`] in all. Where time is the budget, one
+    /// pass of 16 rays is the least that is done.
     ///
     /// # Errors
     /// What the backend lacks for the plan.
     pub fn run(&self, points: &[SurfacePoint], control: Control<'_>) -> Result<Outcome, Error> {
-        let start = Instant::now();
-        let mut estimates = vec![Estimate::PENDING; points.len()];
-        let mut pass_estimates = estimates.clone();
-        for range in passes(self.plan.samples()) {
-            let (before, now) = (range.start, range.end - range.start);
-            let progress = |points: usize| (control.progress)(points * now as usize);
-            let pass_control = Control { progress: &progress, ..control };
-            pass_estimates.fill(Estimate::PENDING);
-            self.pool.install(|| {
-                self.backend.estimate(&self.plan, range, points, &mut pass_estimates, pass_control)
-            })?;
-            for (all, pass) in estimates.iter_mut().zip(&pass_estimates) {
-                *all = merge(all, before, pass, now);
-            }
+        let budget = if self.plan.method.has_budget() { self.plan.budget } else { Budget::rays(1) };
+        let meter = Meter::new(control, budget.seconds);
+        let mut work =
+            Passes { estimates: vec![Estimate::PENDING; points.len()], samples: 0, rounds: Vec::new() };
+        let ended = loop {
+            let wanted = work.wanted(&budget, &meter);
             if control.is_cancelled() {
-                break;
+                break Ended::Cancelled;
             }
-        }
-        let reached = estimates.iter().filter(|e| !e.is_pending()).count() as u64;
+            if work.samples > 0 && budget.error.is_some_and(|goal| work.rmse() <= f64::from(goal)) {
+                break Ended::Error;
+            }
+            let Some(range) = next_pass(work.samples, wanted, budget.rays) else {
+                break match work.samples == budget.rays {
+                    true if !self.plan.method.has_budget() => Ended::Done,
+                    true => Ended::Rays,
+                    false => Ended::Time,
+                };
+            };
+            self.pass(&mut work, range, wanted.min(budget.rays.into()), points, &meter)?;
+        };
+        meter.finish();
+        let reached = work.estimates.iter().filter(|e| !e.is_pending()).count() as u64;
         let marches_cones = self.plan.method.needs_octree();
         Ok(Outcome {
-            completed: !control.is_cancelled(),
-            seconds: start.elapsed().as_secs_f64(),
-            rays: estimates.iter().map(|e| u64::from(e.rays)).sum(),
+            completed: ended != Ended::Cancelled,
+            ended,
+            expected_rmse: work.rmse(),
+            seconds: meter.elapsed(),
+            rays: work.estimates.iter().map(|e| u64::from(e.rays)).sum(),
             cones: if marches_cones { reached * self.plan.cones.cones().len() as u64 } else { 0 },
-            estimates,
+            explanation: self.plan.method.has_budget().then(|| work.explanation(&budget)),
+            estimates: work.estimates,
         })
     }
 
-    /// Units of progress that [`Session::run`] will report for that many points.
-    pub fn work(&self, points: usize) -> u64 {
-        points as u64 * u64::from(self.plan.samples())
+    /// Carries out one pass and adds it to those before.
+    fn pass(
+        &self,
+        work: &mut Passes,
+        range: Range<u32>,
+        wanted: f64,
+        points: &[SurfacePoint],
+        meter: &Meter<'_>,
+    ) -> Result<(), Error> {
+        let (before, now) = (range.start, range.end - range.start);
+        let mut found = vec![Estimate::PENDING; points.len()];
+        let done = AtomicU64::new(0);
+        let progress = |more: usize| {
+            let done = more as u64 + done.fetch_add(more as u64, Ordering::Relaxed);
+            let samples = f64::from(before) + f64::from(now) * done as f64 / points.len() as f64;
+            meter.at(samples / wanted);
+        };
+        let control = Control { progress: &progress, ..meter.control };
+        self.pool.install(|| self.backend.estimate(&self.plan, range, points, &mut found, control))?;
+        for (all, pass) in work.estimates.iter_mut().zip(&found) {
+            *all = merge(all, before, pass, now);
+        }
+        if !control.is_cancelled() {
+            work.samples += now;
+            let rays_per_point = work.samples.into();
+            let (expected_rmse, seconds) = (work.rmse(), meter.elapsed());
+            work.rounds.push(Round { rays_per_point, expected_rmse, seconds });
+        }
+        Ok(())
+    }
+}
+
+/// Passes done so far.
+struct Passes {
+    estimates: Vec<Estimate>,
+    /// Samples of each point.
+    samples: u32,
+    rounds: Vec<Round>,
+}
+
+impl Passes {
+    /// Samples a point at which time or error will be met, as far as can be told.
+    fn wanted(&self, budget: &Budget, meter: &Meter<'_>) -> f64 {
+        let Some(last) = self.rounds.last() else { return f64::INFINITY };
+        let samples = f64::from(self.samples);
+        let by_time = samples * (1.0 + PLANNED * meter.left() / last.seconds);
+        // Errors of passes are added as independent ones, so what is expected falls with the square root.
+        let by_error = |goal| {
+            (samples * (last.expected_rmse / f64::from(goal)).powi(2)).max(samples + f64::from(BUNDLE))
+        };
+        let by_error = budget.error.map_or(f64::INFINITY, by_error);
+        // Errors are met by going over, times by staying under.
+        by_time.min((by_error / f64::from(FIRST_PASS)).ceil() * f64::from(FIRST_PASS))
+    }
+
+    /// Expected RMSE over the points that can be estimated.
+    fn rmse(&self) -> f64 {
+        let valid = self.estimates.iter().filter(|e| e.is_pending() || e.error.is_finite());
+        let (sum, count) =
+            valid.fold((0.0, 0u64), |(sum, count), e| (sum + f64::from(e.error).powi(2), count + 1));
+        if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
+    }
+
+    fn explanation(&self, budget: &Budget) -> Explanation {
+        let points = self.estimates.iter().filter(|e| e.is_pending() || e.error.is_finite()).count() as u64;
+        let last = self.rounds.last();
+        Explanation {
+            points,
+            choice: Choice::Evenly,
+            bundle_rays: BUNDLE,
+            foreseen_rays: last.map_or(budget.rays.into(), |last| last.rays_per_point),
+            ray_seconds: last.map(|last| last.seconds / (last.rays_per_point * points.max(1) as f64)),
+            weighing_seconds: None,
+            foreseen_rmse: None,
+            rounds: self.rounds.clone(),
+        }
     }
 }
 
@@ -87,16 +182,32 @@ impl Session {
 mod tests {
     use super::*;
 
+    fn passes(wanted: f64, most: u32) -> Vec<Range<u32>> {
+        let next = |range: &Range<u32>| next_pass(range.end, wanted, most);
+        std::iter::successors(next_pass(0, wanted, most), next).collect()
+    }
+
     #[test]
     fn passes_cover_every_sample_once_and_start_small() {
         for samples in [1, 3, 4, 5, 64, 100, 1000, 4096] {
-            let ranges: Vec<_> = passes(samples).collect();
+            let ranges = passes(f64::INFINITY, samples);
             assert!(ranges[0].end <= 16);
             assert_eq!(ranges[0].start, 0);
             assert_eq!(ranges.last().unwrap().end, samples);
             assert!(ranges.windows(2).all(|w| w[0].end == w[1].start));
             assert!(ranges.iter().all(|r| r.end > r.start && r.end - r.start <= LARGEST_PASS));
         }
-        assert_eq!(passes(600).map(|r| r.end).collect::<Vec<_>>(), [16, 64, 256, 512, 600]);
+        assert_eq!(
+            passes(f64::INFINITY, 600).iter().map(|r| r.end).collect::<Vec<_>>(),
+            [16, 64, 256, 512, 600]
+        );
+    }
+
+    #[test]
+    fn passes_stop_at_whole_bundles_within_what_is_wanted() {
+        let ends = |wanted| passes(wanted, 1 << 20).iter().map(|r| r.end).collect::<Vec<_>>();
+        assert_eq!(ends(0.0), [16], "the least that can be done");
+        assert_eq!(ends(47.0), [16, 32]);
+        assert_eq!(ends(150.0), [16, 64, 128]);
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::{Error, Outcome, Session};
 use conray_core::{Layout, SurfacePoint};
-use conray_estimate::{AoPlan, Control, Hybrid, Method};
+use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Method};
 use conray_target::Target;
 use std::time::Instant;
 
 impl Session {
-    /// Estimates every point of a target, telling of progress and stopping when asked to.
+    /// Estimates every point of a target until the plan's budget is spent, telling of progress and stopping when asked to.
     ///
     /// Method `hybrid` shares between the pixels of an image; every other method, and every other layout, is
     /// [`Session::run`].
@@ -15,18 +15,36 @@ impl Session {
     /// # Errors
     /// What the backend lacks for the plan.
     pub fn run_target<T: Target>(&self, target: &T, control: Control<'_>) -> Result<Outcome, Error> {
-        let Some(mut hybrid) = self.hybrid(&self.plan, target) else {
-            return self.run(target.points(), control);
-        };
         let start = Instant::now();
-        self.refine(&mut hybrid, &self.plan, target.points(), f64::from(self.plan.rays), control);
-        Ok(Outcome {
-            completed: !control.is_cancelled(),
+        match self.hybrid(&self.plan, target) {
+            Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, target.points(), start, control)),
+            None => self.run(target.points(), control),
+        }
+    }
+
+    /// Goes on with a refinement until the plan's budget is spent: rays of all work on it, seconds since `start`.
+    pub fn run_hybrid(
+        &self,
+        hybrid: &mut Hybrid,
+        points: &[SurfacePoint],
+        start: Instant,
+        control: Control<'_>,
+    ) -> Outcome {
+        let spent = start.elapsed().as_secs_f64();
+        let seconds = self.plan.budget.seconds.map(|seconds| (seconds - spent).max(f64::MIN_POSITIVE));
+        let budget = Budget { seconds, ..self.plan.budget };
+        let ended = self.refine(hybrid, &self.plan, points, budget, control);
+        let estimates = self.install(|| hybrid.estimates());
+        Outcome {
+            completed: ended != Ended::Cancelled,
+            ended,
+            expected_rmse: hybrid.expected_rmse(),
             seconds: start.elapsed().as_secs_f64(),
             rays: hybrid.rays(),
             cones: 0,
-            estimates: self.install(|| hybrid.estimates()),
-        })
+            explanation: Some(hybrid.explanation()),
+            estimates,
+        }
     }
 
     /// The beginning of a refinement of a target by method `hybrid`, without a ray yet; `None` for another method or a target
@@ -40,15 +58,15 @@ impl Session {
         }
     }
 
-    /// Adds work to a refinement until there are so many rays a point on average; see [`Hybrid::refine`].
+    /// Adds work to a refinement until a budget is spent; see [`Hybrid::refine`].
     pub fn refine(
         &self,
         hybrid: &mut Hybrid,
         plan: &AoPlan,
         points: &[SurfacePoint],
-        rays_per_point: f64,
+        budget: Budget,
         control: Control<'_>,
-    ) {
-        self.install(|| hybrid.refine(plan, &self.bvh, points, rays_per_point, control));
+    ) -> Ended {
+        self.install(|| hybrid.refine(plan, &self.bvh, points, budget, control))
     }
 }

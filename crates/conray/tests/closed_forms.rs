@@ -130,7 +130,7 @@ const SAMPLINGS: [(Sampling, u32); 3] =
     [(Sampling::Sobol, 400), (Sampling::Stratified, 2000), (Sampling::Random, 8000)];
 
 fn rays_by(sampling: Sampling) -> AoSettings {
-    AoSettings { method: Method::Rays, rays: 61, sampling, ..AoSettings::default() }
+    AoSettings { method: Method::Rays, rays: Some(61), sampling, ..AoSettings::default() }
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_wrong_truth_is_caught() {
 #[test]
 fn samplings_are_as_noisy_as_theory_says() {
     let variance = |case: &Case, sampling| {
-        let settings = AoSettings { rays: 64, ..rays_by(sampling) };
+        let settings = AoSettings { rays: Some(64), ..rays_by(sampling) };
         measure(case, &Affine3A::IDENTITY, &settings, 4000).sample_variance()
     };
     // Where a ray is open or closed, independent rays are binomial: p (1 - p) / n. The variance of 4000 variances of

@@ -28,7 +28,8 @@ fn estimates(session: &Session, points: &[SurfacePoint], level: Level) -> Vec<Es
 #[test]
 fn rays_by_quarters_are_those_as_drawn() {
     for sampling in Sampling::ALL {
-        let settings = AoSettings { rays: 300, sampling, ..AoSettings::default() };
+        let settings =
+            AoSettings { method: Method::Rays, rays: Some(300), sampling, ..AoSettings::default() };
         let scene = scene::builtin("cornell").unwrap();
         let view = scene.default_view();
         let session = Session::build(scene.geometry, &settings).unwrap();
@@ -63,8 +64,14 @@ fn methods_agree_at_every_level() {
             (Falloff::Linear, Sampling::Sobol, 40),
             (Falloff::None, Sampling::Random, 70),
         ] {
-            let settings =
-                AoSettings { method, rays, voxels: 64, falloff, sampling, ..AoSettings::default() };
+            let settings = AoSettings {
+                method,
+                rays: Some(rays),
+                voxels: 64,
+                falloff,
+                sampling,
+                ..AoSettings::default()
+            };
             let scene = scene::builtin("cornell").unwrap();
             let view = scene.default_view();
             let session = Session::build(scene.geometry, &settings).unwrap();

@@ -8,6 +8,7 @@
 mod bounds;
 mod estimate;
 mod falloff;
+mod fingerprint;
 mod frame;
 mod geometry;
 mod hemisphere;
@@ -25,6 +26,7 @@ mod warp;
 pub use bounds::Bounds;
 pub use estimate::{ConeEstimate, Estimate};
 pub use falloff::Falloff;
+pub use fingerprint::{Feed, Fingerprint};
 pub use frame::Frame;
 pub use geometry::{Geometry, GeometryError, Instance, Material, TriangleMesh};
 pub use glam::{Affine2, Affine3A, Mat3A, Mat4, Quat, Vec2, Vec3, Vec3A};

@@ -8,19 +8,25 @@
 //! [`Method`] with a BVH and, where the method marches cones, an octree.
 
 mod backend;
+mod budget;
 mod cone_view;
 mod cpu;
 mod distance;
+mod explanation;
 mod hybrid;
+mod meter;
 mod methods;
 mod plan;
 mod settings;
 
 pub use backend::{Backend, BackendError, Control, merge};
+pub use budget::{Budget, Ended, HARDLY_SEEN};
 pub use cone_view::{ConeView, ConeViews};
 pub use conray_bvh::Level;
 pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
-pub use hybrid::Hybrid;
+pub use explanation::{Choice, Explanation, Round};
+pub use hybrid::{Hybrid, StateError};
+pub use meter::{Meter, PROGRESS_UNITS};
 pub use plan::AoPlan;
 pub use settings::{Alpha, AoSettings, Method, Sampling, SettingsError, limits};

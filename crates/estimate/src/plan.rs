@@ -1,6 +1,6 @@
 //! Settings made definite for one scene.
 
-use crate::{AoSettings, Distance, Method, Sampling, SettingsError};
+use crate::{AoSettings, Budget, Distance, Method, Sampling, SettingsError};
 use conray_core::{Bounds, ConeSet, Falloff, HemisphereCones};
 
 /// Validated settings in world units, made once per scene; code past it does not check again.
@@ -12,8 +12,8 @@ pub struct AoPlan {
     pub distance: f32,
     /// How an occluder's weight fades.
     pub falloff: Falloff,
-    /// Rays per point of method `rays`; on average, of `hybrid`.
-    pub rays: u32,
+    /// What methods `rays` and `hybrid` may spend or must reach.
+    pub budget: Budget,
     /// How method `rays` chooses directions.
     pub sampling: Sampling,
     /// The cones that stand for the hemisphere.
@@ -44,7 +44,7 @@ impl AoPlan {
             method: settings.method,
             distance,
             falloff: settings.falloff,
-            rays: settings.rays,
+            budget: Budget::of(settings),
             sampling: settings.sampling,
             cones: HemisphereCones::new(ConeSet::from_count(settings.cones).expect("validated")),
             beta: settings.beta,
@@ -54,8 +54,8 @@ impl AoPlan {
         })
     }
 
-    /// How many samples of its sequence each point needs: rays for `rays` and `hybrid`, else one frame of the method.
+    /// How many samples of its sequence each point may get: rays for `rays` and `hybrid`, else one frame of the method.
     pub fn samples(&self) -> u32 {
-        if matches!(self.method, Method::Rays | Method::Hybrid) { self.rays } else { 1 }
+        if self.method.has_budget() { self.budget.rays } else { 1 }
     }
 }

@@ -10,8 +10,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// Rays alone: unbiased, noisy with few rays. The default while no combination gives less error in the same time.
-    #[default]
+    /// Rays alone: unbiased, noisy with few rays.
     Rays,
     /// Cones alone: without noise, biased.
     Cones,
@@ -20,6 +19,7 @@ pub enum Method {
     Paper,
     /// conray's own: rays where they help most, pooled with what like neighbours found, each weighed by its expected
     /// squared error. Of points without neighbours it is [`Method::Rays`].
+    #[default]
     Hybrid,
 }
 
@@ -117,6 +117,10 @@ pub mod limits {
 
     /// Rays per point.
     pub const RAYS: RangeInclusive<u32> = 1..=1 << 20;
+    /// Seconds of estimation. Below the first, not even the clock can tell.
+    pub const TIME: RangeInclusive<f64> = 1e-6..=1e6;
+    /// Expected RMSE of visibility.
+    pub const ERROR: RangeInclusive<f32> = 1e-5..=0.5;
     /// Leaves along the longest side of the scene; powers of two only.
     pub const VOXELS: RangeInclusive<u32> = 16..=2048;
     /// The paper's beta.
@@ -137,9 +141,14 @@ pub struct AoSettings {
     pub distance: Distance,
     /// How an occluder's weight fades with its distance. Needs a finite distance unless `none`.
     pub falloff: Falloff,
-    /// Rays per point of methods `rays` and, on average, `hybrid`, in [`limits::RAYS`]; powers of two give the least error
-    /// per ray.
-    pub rays: u32,
+    /// Most rays per point of methods `rays` and, on average, `hybrid`, in [`limits::RAYS`]; powers of two give the least error
+    /// per ray. The work ends at whichever of `rays`, `time` and `error` comes first; without any of them at an
+    /// expected error of [`HARDLY_SEEN`](crate::HARDLY_SEEN).
+    pub rays: Option<u32>,
+    /// Methods `rays` and `hybrid`: most seconds of estimation, in [`limits::TIME`].
+    pub time: Option<f64>,
+    /// Methods `rays` and `hybrid`: the expected RMSE that is enough, in [`limits::ERROR`].
+    pub error: Option<f32>,
     /// Method `rays`: how directions are chosen. Other methods keep to Sobol points.
     pub sampling: Sampling,
     /// Octree leaves along the longest side of the scene: a power of two in [`limits::VOXELS`].
@@ -166,7 +175,9 @@ impl Default for AoSettings {
             method: Method::default(),
             distance: Distance::Auto,
             falloff: Falloff::None,
-            rays: 64,
+            rays: None,
+            time: None,
+            error: None,
             sampling: Sampling::default(),
             voxels: 512,
             cones: 16,
@@ -212,7 +223,7 @@ impl AoSettings {
         if self.falloff != Falloff::None && self.distance == Distance::Infinite {
             return bad("falloff", &self.falloff, "needs a finite --distance");
         }
-        in_range("rays", self.rays, limits::RAYS)?;
+        self.validate_budget()?;
         if !limits::VOXELS.contains(&self.voxels) || !self.voxels.is_power_of_two() {
             return bad("voxels", &self.voxels, "must be a power of two from 16 to 2048");
         }
@@ -222,6 +233,28 @@ impl AoSettings {
         in_range("beta", self.beta, limits::BETA)?;
         in_range("gamma", self.gamma, limits::GAMMA)?;
         in_range("max-rays", self.max_rays, limits::MAX_RAYS)
+    }
+
+    fn validate_budget(&self) -> Result<(), SettingsError> {
+        self.rays.map_or(Ok(()), |rays| in_range("rays", rays, limits::RAYS))?;
+        self.time.map_or(Ok(()), |seconds| in_range("time", seconds, limits::TIME))?;
+        self.error.map_or(Ok(()), |error| in_range("error", error, limits::ERROR))?;
+        let unused = |option, found: String| {
+            let expected = format!("method {} does one fixed amount of work; leave it out", self.method);
+            Err(SettingsError { option, found, expected })
+        };
+        match (self.time, self.error) {
+            (Some(seconds), _) if !self.method.has_budget() => return unused("time", seconds.to_string()),
+            (_, Some(error)) if !self.method.has_budget() => return unused("error", error.to_string()),
+            _ => {}
+        }
+        // Its rays are one in each cell of a grid with as many cells: a part of them is no fair sample.
+        let known = self.rays.is_some() && self.time.is_none() && self.error.is_none();
+        if self.method.has_budget() && self.sampling == Sampling::Stratified && !known {
+            let expected = "needs --rays, and neither --time nor --error".into();
+            return Err(SettingsError { option: "sampling", found: self.sampling.to_string(), expected });
+        }
+        Ok(())
     }
 }
 
@@ -238,54 +271,4 @@ fn in_range<T: PartialOrd + fmt::Display>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_are_valid() {
-        AoSettings::default().validate().unwrap();
-    }
-
-    #[test]
-    fn each_setting_out_of_range_is_named_with_its_range() {
-        let ok = AoSettings::default;
-        let cases = [
-            (AoSettings { distance: Distance::World(-1.0), ..ok() }, "distance"),
-            (AoSettings { distance: Distance::World(f32::NAN), ..ok() }, "distance"),
-            (AoSettings { distance: Distance::Infinite, falloff: Falloff::Linear, ..ok() }, "falloff"),
-            (AoSettings { rays: 0, ..ok() }, "rays"),
-            (AoSettings { rays: u32::MAX, ..ok() }, "rays"),
-            (AoSettings { voxels: 500, ..ok() }, "voxels"),
-            (AoSettings { voxels: 4096, ..ok() }, "voxels"),
-            (AoSettings { cones: 7, ..ok() }, "cones"),
-            (AoSettings { beta: -0.1, ..ok() }, "beta"),
-            (AoSettings { beta: f32::NAN, ..ok() }, "beta"),
-            (AoSettings { gamma: 1.5, ..ok() }, "gamma"),
-            (AoSettings { max_rays: 0, ..ok() }, "max-rays"),
-        ];
-        for (settings, option) in cases {
-            let error = settings.validate().unwrap_err();
-            assert_eq!(error.option, option);
-            assert!(error.to_string().starts_with(&format!("--{option} ")), "{error}");
-            assert!(!error.expected.is_empty());
-        }
-    }
-
-    #[test]
-    fn names_of_methods_are_read_back() {
-        for method in Method::ALL {
-            assert_eq!(method.to_string().parse(), Ok(method));
-        }
-        assert!("cone".parse::<Method>().is_err());
-    }
-
-    #[test]
-    fn names_of_samplings_are_read_back_and_are_those_of_files() {
-        for sampling in Sampling::ALL {
-            let name = sampling.to_string();
-            assert_eq!(name.parse(), Ok(sampling));
-            assert_eq!(serde_json::to_value(sampling).unwrap(), serde_json::Value::String(name));
-        }
-        assert!("halton".parse::<Sampling>().is_err());
-    }
-}
+mod tests;

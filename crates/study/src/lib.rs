@@ -51,7 +51,7 @@ mod write;
 pub use case::{Case, Place};
 pub use contender::{Answer, Contender, Effort, Needs, Preparation};
 pub use error::StudyError;
-pub use fingerprint::{Feed, Fingerprint};
+pub use fingerprint::{Feed, Fingerprint, fingerprint_of_case};
 pub use kept::Kept;
 pub use options::{StudyOptions, StudyScene};
 pub use pilot::{Pilot, PilotCone, PilotPoint};

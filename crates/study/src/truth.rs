@@ -10,7 +10,7 @@
 
 mod state;
 
-use crate::{Case, Fingerprint, StudyError, kept};
+use crate::{Case, Fingerprint, StudyError, fingerprint_of_case, kept};
 use conray::{AoSettings, Control, Method, Sampling, limits, target::check_writable};
 use conray_core::hash_u32;
 use state::State;
@@ -91,7 +91,7 @@ fn find_with_seeds(
 ) -> Result<Truth, StudyError> {
     let points = case.points().len();
     let slice = slice_rays(points);
-    let case_fingerprint = Fingerprint::of_case(case)?;
+    let case_fingerprint = fingerprint_of_case(case)?;
     let fingerprint = Fingerprint::of(|feed| {
         feed.fingerprint(case_fingerprint);
         seeds.into_iter().chain([slice]).for_each(|value| feed.u32(value));

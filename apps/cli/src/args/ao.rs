@@ -1,6 +1,7 @@
 //! Options about ambient occlusion, and the settings that they come to.
 
-use super::parse::parse_bytes;
+use super::parse::{parse_bytes, parse_time};
+use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use conray::{Alpha, AoSettings, Distance, Falloff, Method, Sampling};
 
@@ -11,9 +12,22 @@ pub(crate) struct AoArgs {
     /// How visibility is estimated: rays, cones, paper or hybrid
     #[arg(long, default_value_t = AoSettings::default().method)]
     method: Method,
-    /// Rays per point of methods rays and (on average) hybrid, from 1 to 1048576; powers of two err least
-    #[arg(long, value_name = "N", default_value_t = AoSettings::default().rays, allow_negative_numbers = true)]
-    rays: u32,
+    /// Most rays per point of methods rays and (on average) hybrid, from 1 to 1048576; powers of two err least. The work ends at
+    /// whichever of --rays, --time and --error comes first; without any of them at an error of 0.02
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    rays: Option<u32>,
+    /// Methods rays and hybrid: most time of estimation, such as 2s, 500ms or 1.5m. Loading and building come on top
+    #[arg(long, value_name = "TIME", value_parser = parse_time, allow_hyphen_values = true)]
+    time: Option<f64>,
+    /// Methods rays and hybrid: the expected error (RMSE of visibility) that is enough, from 0.00001 to 0.5
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    error: Option<f32>,
+    /// Exits with 1 where the error is not reached within --time or --rays; what was reached is written all the same
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Prints the plan that was made, from what, and what ended the work
+    #[arg(long)]
+    pub(crate) explain: bool,
     /// How method rays draws its directions: sobol (best), stratified or random (for comparisons)
     #[arg(long, default_value_t = AoSettings::default().sampling)]
     sampling: Sampling,
@@ -72,7 +86,25 @@ enum AlphaArg {
 
 impl AoArgs {
     pub(crate) fn settings(&self) -> AoSettings {
-        AoSettings { method: self.method, rays: self.rays, sampling: self.sampling, ..self.shared.settings() }
+        AoSettings {
+            method: self.method,
+            rays: self.rays,
+            time: self.time,
+            error: self.error,
+            sampling: self.sampling,
+            ..self.shared.settings()
+        }
+    }
+
+    /// The settings, checked; the error is what is wrong with them.
+    pub(crate) fn checked(&self) -> Result<AoSettings, Failure> {
+        let settings = self.settings();
+        settings.validate().map_err(|e| Failure::Request(e.to_string()))?;
+        let has_goal = settings.error.is_some() || (settings.rays.is_none() && settings.time.is_none());
+        if self.strict && !(has_goal && settings.method.has_budget()) {
+            return Err(Failure::Request("--strict: there is no error to reach; add --error".into()));
+        }
+        Ok(settings)
     }
 }
 

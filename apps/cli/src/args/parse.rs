@@ -30,6 +30,17 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     if bytes >= 1.0 { Ok(bytes as u64) } else { Err("expected bytes, such as 800000000, 512M or 2G".into()) }
 }
 
+/// Seconds from a number with a unit; without one it means seconds. Whether they make sense is for the settings to say.
+pub(super) fn parse_time(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    // `ms` ends with the unit of seconds too, so it goes first.
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0)];
+    let (number, unit) =
+        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
+    let seconds = number.trim().parse::<f64>().map(|number| number * unit);
+    seconds.map_err(|_| "expected a time, such as 2s, 500ms or 1.5m".into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +51,10 @@ mod tests {
         assert!(["", "640", "0x1", "1x70000", "axb", "-1x5"].iter().all(|t| parse_size(t).is_err()));
         assert_eq!(parse_point("1, -2,3e1"), Ok(Vec3::new(1.0, -2.0, 30.0)));
         assert!(["", "1,2", "1,2,3,4", "1,,3", "a,b,c", "1,2,inf"].iter().all(|t| parse_point(t).is_err()));
+        for (text, seconds) in [("2s", 2.0), ("1.5", 1.5), ("500ms", 0.5), ("2m", 120.0), ("-1 s", -1.0)] {
+            assert_eq!(parse_time(text), Ok(seconds));
+        }
+        assert!(["", "s", "abc", "2h", "1s2"].iter().all(|t| parse_time(t).is_err()));
         assert_eq!(parse_bytes("1.5G"), Ok(3 << 29));
         assert!(["", "G", "-1M", "5X", "0", "nan"].iter().all(|t| parse_bytes(t).is_err()));
     }

@@ -88,13 +88,7 @@ fn each(
 
 /// Fills an empty batch, each sample with its cell.
 #[inline(always)]
-fn fill<S: Simd>(
-    simd: S,
-    squares: &Squares,
-    samples: Range<u32>,
-    rays: &PointRays<'_>,
-    batch: &mut Batch,
-) {
+fn fill<S: Simd>(simd: S, squares: &Squares, samples: Range<u32>, rays: &PointRays<'_>, batch: &mut Batch) {
     let side = f32x16::splat(simd, SIDE as f32);
     for group in 0..samples.len() / LANES {
         let drawn = squares.sixteen(simd, samples.start + (group * LANES) as u32, &rays.frame);
@@ -135,7 +129,10 @@ fn within_cells(cells: &[u32], visible: &[f32]) -> f32 {
 
 /// The same for the quarters of the square.
 fn within_quarters(cells: &[u32], visible: &[f32]) -> f32 {
-    within(visible, cells.iter().map(|&cell| (cell / (SIDE / 2) % 2 + cell / (SIDE * SIDE / 2) * 2) as usize % CELLS))
+    within(
+        visible,
+        cells.iter().map(|&cell| (cell / (SIDE / 2) % 2 + cell / (SIDE * SIDE / 2) * 2) as usize % CELLS),
+    )
 }
 
 fn within(visible: &[f32], cells: impl Iterator<Item = usize>) -> f32 {

@@ -70,7 +70,10 @@ impl Pyramid {
             }
             Some(k) => {
                 let Cells { width, height, stride, channels } = &self.cells[k];
-                (Grid { width: *width, height: *height, stride: *stride }, channels.each_ref().map(|c| &c[..]))
+                (
+                    Grid { width: *width, height: *height, stride: *stride },
+                    channels.each_ref().map(|c| &c[..]),
+                )
             }
         }
     }

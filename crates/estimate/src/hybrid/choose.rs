@@ -37,7 +37,13 @@ struct Candidate {
 /// Neyman's rule, in steps: rays go where they lower the expected squared error most for their time. Steps double what
 /// a point has, since sequences are best at powers of two, or make a full bundle of it. Errors are only estimates, so no point is
 /// left far behind the mean.
-pub(super) fn choose(pixels: &Pixels, tallies: &[Tally], known: &Known, lattice: u32, budget: u64) -> Vec<Order> {
+pub(super) fn choose(
+    pixels: &Pixels,
+    tallies: &[Tally],
+    known: &Known,
+    lattice: u32,
+    budget: u64,
+) -> Vec<Order> {
     let points = pixels.place_of.len().max(1);
     let had: u64 = tallies.iter().map(|t| u64::from(t.units)).sum();
     let least = (LEAST_SHARE * had as f64 / (points as f64 * f64::from(lattice))) as u32 * lattice;

@@ -29,13 +29,8 @@ const PART: usize = 1 << 13;
 impl Columns {
     /// Becomes those of these tallies.
     pub(super) fn fill(&mut self, pixels: &Pixels, tallies: &[Tally], rays: &Rays) {
-        let mut columns = [
-            &mut self.worth,
-            &mut self.mean,
-            &mut self.variance,
-            &mut self.unit_variance,
-            &mut self.sampled,
-        ];
+        let mut columns =
+            [&mut self.worth, &mut self.mean, &mut self.variance, &mut self.unit_variance, &mut self.sampled];
         columns.iter_mut().for_each(|column| column.resize(pixels.len(), 0.0));
         let part = |(mut out, tallies): (Vec<&mut [f32]>, &[Tally])| {
             let (mut sum, mut count) = (0.0, 0u32);

@@ -9,6 +9,8 @@ use super::{
 use conray_bvh::Level;
 use rayon::prelude::*;
 
+/// Most pixels between points of a lattice that can stand for all.
+pub(super) const NEAR: u32 = 2;
 /// Variance of a unit where nothing is known.
 const MOST_VARIANCE: f32 = 0.25 / UNIT as f32;
 
@@ -38,5 +40,7 @@ pub(super) fn look(
             out[1][x] = if told { known.unit_variance[at] } else { MOST_VARIANCE };
         }
     });
+    // Errors of guesses are the best that can be said of errors.
+    all.error2.clone_from(&all.guess_error2);
     all
 }

@@ -10,6 +10,9 @@
 //!    +---- choose.rs: more bundles where they lower the error most <--+
 //! ```
 //!
+//! refine.rs goes round until a budget is spent: forecast.rs foresees rays and errors, costs.rs knows what time they take, evenly.rs
+//! leaves the weighing out where it does not pay, state.rs keeps the work for later.
+//!
 //! A pixel's own rays are unbiased and their variance is known; the guess's squared error is what it was found to be. So the
 //! guess fades as rays come in and the result converges to the truth. `docs/method.md` derives it.
 
@@ -18,160 +21,176 @@ mod bundles;
 mod cells;
 mod choose;
 mod columns;
+mod costs;
+mod evenly;
+mod forecast;
 mod likeness;
 mod look;
 mod pixels;
+mod refine;
 mod regress;
 mod residuals;
 mod start;
+mod state;
 mod tallies;
 mod weigh;
 mod window;
 
-use crate::{AoPlan, Control, cpu::INVALID};
+pub use state::StateError;
+
+use crate::{Choice, Explanation, Round, cpu::INVALID};
 use choose::Order;
-use conray_bvh::{Bvh, Level};
+use conray_bvh::Level;
 use conray_core::{Estimate, SurfacePoint};
+use costs::Costs;
 use pixels::{NO_POINT, Pixels};
 use rayon::prelude::*;
+use std::{borrow::Cow, time::Instant};
 use tallies::{Rays, Tally, UNIT};
 use weigh::{Known, Weigher};
-
-/// Bundles of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
-fn this_round(had: u64, left: u64, points: u64) -> u64 {
-    let much = if EARLY * had < points { 4 * had } else { 2 * had };
-    if left > much { had.max(left.div_ceil(3)) } else { left }
-}
-
-/// Below a bundle for so many points it is early.
-const EARLY: u64 = 8;
 
 /// A target under work by method `hybrid`: refined as often as one likes, the same points handed in each time.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
     pixels: Pixels,
+    /// Places that have a point.
+    covered: u64,
+    /// Of whole rounds.
     tallies: Vec<Tally>,
+    /// What an interrupted round found, one a place; empty where there was none.
+    unfinished: Vec<Tally>,
     rays: Rays,
-    /// Rays traced to find out how rays err; they are in no tally.
+    /// True once the lattice is whole.
+    started: bool,
+    /// Pixels between points of the lattice while there are no other rays, else 0.
+    step: u32,
+    /// Rays traced to find out how rays err and what they cost, or left behind; they are in no tally.
     pilot_rays: u64,
     known: Known,
     weigher: Weigher,
+    rounds: Vec<Round>,
+    choice: Choice,
+    costs: Costs,
+    /// Rays a point that the plan reckons with.
+    foreseen: f64,
+    foreseen_rmse: Option<[f64; 2]>,
 }
 
 impl Hybrid {
     /// Work on the points of an image of that size: the `id` of each is its pixel, `y * width + x`.
-    pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
+    pub fn of_image(plan: &crate::AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
         let pixels = Pixels::new(points, width, height, plan.distance);
-        let tallies = vec![Tally::default(); pixels.len()];
-        let rays = Rays { unit: 1.0, full: 1.0, first: 1 };
-        Self { pixels, tallies, rays, pilot_rays: 0, known: Known::default(), weigher: Weigher::default() }
+        Self {
+            covered: pixels.place_of.iter().filter(|&&at| at != NO_POINT).count() as u64,
+            tallies: vec![Tally::default(); pixels.len()],
+            unfinished: Vec::new(),
+            rays: start::unknown(1),
+            started: false,
+            step: 0,
+            pilot_rays: 0,
+            known: Known::default(),
+            weigher: Weigher::default(),
+            rounds: Vec::new(),
+            choice: Choice::Hybrid,
+            costs: Costs::default(),
+            foreseen: 0.0,
+            foreseen_rmse: None,
+            pixels,
+        }
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
+        let units: u64 = self.unfinished.iter().map(|t| u64::from(t.units)).sum();
+        self.rays_of_rounds() + units * u64::from(UNIT)
+    }
+
+    /// Those of whole rounds and pilots.
+    fn rays_of_rounds(&self) -> u64 {
         let units: u64 = self.tallies.iter().map(|t| u64::from(t.units)).sum();
         units * u64::from(UNIT) + self.pilot_rays
     }
 
     /// Expected root mean square error over all points; infinite before the first rays.
     pub fn expected_rmse(&self) -> f64 {
-        let errors = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT && !self.known.value.is_empty());
-        let (sum, count) = errors.fold((0.0, 0u64), |(sum, count), &at| {
-            (sum + f64::from(self.known.error2[at as usize]), count + 1)
-        });
+        let errors = self.pixels.place_of.iter().filter_map(|&at| self.known.error2.get(at as usize));
+        let (sum, count) =
+            errors.fold((0.0, 0u64), |(sum, count), &error2| (sum + f64::from(error2), count + 1));
         if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
     }
 
-    /// Adds rays until there are so many a point on average, in rounds; stops after any round when cancelled.
-    ///
-    /// `points` are those that the work began with. The result depends on the plan, the points and the calls so far, not on
-    /// threads.
-    ///
-    /// # Panics
-    /// If there are fewer points than the work began with.
-    pub fn refine(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        rays_per_point: f64,
-        control: Control<'_>,
-    ) {
-        let covered = self.pixels.place_of.iter().filter(|&&at| at != NO_POINT).count();
-        if covered == 0 || control.is_cancelled() {
-            return;
-        }
-        if self.known.value.is_empty() {
-            self.start(plan, bvh, points, rays_per_point, control);
-        }
-        let unit = u64::from(UNIT);
-        let goal = (rays_per_point * covered as f64 / unit as f64).round() as u64;
-        while !control.is_cancelled() {
-            let had = self.rays() / unit;
-            let left = goal.saturating_sub(had);
-            // A round costs some time of its own: none for a fiftieth.
-            if left * 50 <= goal {
-                break;
-            }
-            let now = this_round(had, left, covered as u64);
-            let orders = choose::choose(&self.pixels, &self.tallies, &self.known, self.rays.first, now);
-            if orders.is_empty() {
-                break;
-            }
-            self.trace(plan, bvh, points, &orders, control);
-            self.weigh(bvh.level());
-        }
-        if self.known.value.is_empty() {
-            self.weigh(bvh.level());
+    /// The plan as carried out so far, and why.
+    pub fn explanation(&self) -> Explanation {
+        Explanation {
+            points: self.covered,
+            choice: self.choice,
+            bundle_rays: self.rays.first * UNIT,
+            foreseen_rays: self.foreseen,
+            ray_seconds: self.costs.ray_seconds,
+            weighing_seconds: self.costs.weighing_seconds,
+            foreseen_rmse: self.foreseen_rmse,
+            rounds: self.rounds.clone(),
         }
     }
 
-    /// Carries out orders.
-    fn trace(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        orders: &[Order],
-        control: Control<'_>,
-    ) {
-        let one = |order: &Order| {
-            if control.is_cancelled() {
-                return Tally::default();
-            }
-            let at = order.at as usize;
-            let (point, had) = (self.pixels.point[at] as usize, self.tallies[at].units);
-            let found = bundles::trace(plan, bvh, &points[point], had..had + order.units, 0);
-            (control.progress)((order.units * UNIT) as usize);
-            found
-        };
-        let found: Vec<Tally> = orders.par_iter().with_min_len(64).map(one).collect();
-        for (order, found) in orders.iter().zip(&found) {
-            self.tallies[order.at as usize].merge(found);
+    /// What all rays found, those of an interrupted round too.
+    fn shown(&self) -> Cow<'_, [Tally]> {
+        if self.unfinished.is_empty() {
+            return Cow::Borrowed(&self.tallies);
         }
+        let mut all = self.tallies.clone();
+        all.iter_mut().zip(&self.unfinished).for_each(|(all, more)| all.merge(more));
+        Cow::Owned(all)
     }
 
+    /// Weighs all that is shown.
     fn weigh(&mut self, level: Level) {
-        self.weigher.weigh(level, &self.pixels, &self.tallies, &self.rays, &mut self.known);
+        let start = Instant::now();
+        let mut weigher = std::mem::take(&mut self.weigher);
+        let mut known = std::mem::take(&mut self.known);
+        weigher.weigh(level, &self.pixels, &self.shown(), &self.rays, &mut known);
+        (self.weigher, self.known) = (weigher, known);
+        self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
+    }
+
+    /// Finds out what whole rounds tell for choosing the next one: of a dense lattice a first look is enough.
+    fn survey(&mut self, level: Level) {
+        if self.step == 0 || self.step > look::NEAR {
+            let known = &mut self.known;
+            return self.weigher.weigh(level, &self.pixels, &self.tallies, &self.rays, known);
+        }
+        let (pixels, step) = (&self.pixels, self.step as usize);
+        self.known = look::look(level, pixels, &self.tallies, &self.rays, step, &mut self.weigher);
+    }
+
+    /// False where not even visibility is known, or only a first look was taken.
+    fn is_weighed(&self) -> bool {
+        !self.known.value.is_empty()
     }
 
     /// The estimates so far, one a point: pending before the first rays, and of infinite error where a point is not valid.
     pub fn estimates(&self) -> Vec<Estimate> {
+        self.estimates_of(1)
+    }
+
+    /// Those of every so manieth point.
+    fn estimates_of(&self, every: usize) -> Vec<Estimate> {
+        let tallies = self.shown();
         let one = |&at: &u32| {
             if at == NO_POINT {
                 return INVALID;
             }
             let at = at as usize;
             let Some(&visibility) = self.known.value.get(at) else { return Estimate::PENDING };
-            let tally = &self.tallies[at];
+            let tally = &tallies[at];
             Estimate {
                 visibility,
                 error: self.known.error2[at].sqrt(),
                 rays: tally.units * UNIT,
-                bent: bent::bent(&self.pixels, &self.tallies, at, visibility),
+                bent: bent::bent(&self.pixels, &tallies, at, visibility),
                 cone: None,
             }
         };
-        self.pixels.place_of.par_iter().with_min_len(1 << 12).map(one).collect()
+        self.pixels.place_of.par_iter().step_by(every).with_min_len((1 << 12) / every).map(one).collect()
     }
 }

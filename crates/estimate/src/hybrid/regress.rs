@@ -61,7 +61,14 @@ impl Guesses {
     }
 
     /// Looks at what is known.
-    pub(super) fn make(&mut self, level: Level, pixels: &Pixels, columns: &Columns, pyramid: &Pyramid, rays: &Rays) {
+    pub(super) fn make(
+        &mut self,
+        level: Level,
+        pixels: &Pixels,
+        columns: &Columns,
+        pyramid: &Pyramid,
+        rays: &Rays,
+    ) {
         let enough = rays.enough();
         self.enough.clear();
         self.enough.resize(pixels.len(), u8::MAX);
@@ -207,9 +214,12 @@ fn sixteen<S: Simd>(
             let to = [column, row];
             let mut worth = f32x16::from_slice(simd, window.sixteen(0, to, column_of_image, size));
             let mut y = f32x16::from_slice(simd, window.sixteen(1, to, column_of_image, size));
-            let mut dx = f32x16::from_slice(simd, window.sixteen(2, to, column_of_image, size)) - centres.position[0];
-            let mut dy = f32x16::from_slice(simd, window.sixteen(3, to, column_of_image, size)) - centres.position[1];
-            let mut dz = f32x16::from_slice(simd, window.sixteen(4, to, column_of_image, size)) - centres.position[2];
+            let mut dx =
+                f32x16::from_slice(simd, window.sixteen(2, to, column_of_image, size)) - centres.position[0];
+            let mut dy =
+                f32x16::from_slice(simd, window.sixteen(3, to, column_of_image, size)) - centres.position[1];
+            let mut dz =
+                f32x16::from_slice(simd, window.sixteen(4, to, column_of_image, size)) - centres.position[2];
             let normal = [
                 f32x16::from_slice(simd, window.sixteen(5, to, column_of_image, size)),
                 f32x16::from_slice(simd, window.sixteen(6, to, column_of_image, size)),
@@ -248,7 +258,8 @@ fn sixteen<S: Simd>(
     }
     let (fitted, formal) = solve(simd, &sums, layer.fit.ridge);
     let column = |column: &[f32]| f32x16::from_slice(simd, &column[at..at + LANES]);
-    let told = column(&layer.columns.sampled) * formal.simd_lt(f32x16::splat(simd, f32::MAX)).select(one, zero);
+    let told =
+        column(&layer.columns.sampled) * formal.simd_lt(f32x16::splat(simd, f32::MAX)).select(one, zero);
     let told = told.simd_gt(zero);
     let off = column(&layer.columns.mean) - fitted;
     let off = off * off - column(&layer.columns.variance);

@@ -1,21 +1,18 @@
 //! The first rays: a lattice of points, some traced twice to find out how rays err here.
 
-use super::{Hybrid, NO_POINT, Order, Rays, bundles, look,
+use super::{
+    Hybrid, NO_POINT, Order, Rays, bundles,
+    refine::Work,
     tallies::{FULL, UNIT, worth},
 };
-use crate::{AoPlan, Control};
-use conray_bvh::Bvh;
-use conray_core::SurfacePoint;
 use rayon::prelude::*;
 
 /// Share of the rays that the lattice gets.
 const FIRST_SHARE: f64 = 0.25;
 /// Most pixels between points of the lattice, as a power of two.
 const WIDEST: f64 = 4.0;
-/// Most pixels between points of a lattice that can stand for all.
-const NEAR: usize = 2;
 /// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
-const MANY: f64 = 32.0;
+pub(super) const MANY: f64 = 32.0;
 /// Points that are traced again at most, and for how many units of the lattice one is.
 const PAIRS: usize = 2048;
 const PAIR_OF: usize = 32;
@@ -26,19 +23,25 @@ const STRATIFIED: f64 = 0.5;
 /// That guess counts for so many pairs.
 const PRIOR_PAIRS: f64 = 64.0;
 /// Chooses another sequence for the second of a pair: digits of pi.
-const SALT: u32 = 0x243f_6a88;
+pub(super) const SALT: u32 = 0x243f_6a88;
+
+/// How rays err before any told; points of the lattice get so many units.
+pub(super) fn unknown(first: u32) -> Rays {
+    Rays { unit: STRATIFIED as f32, full: STRATIFIED as f32, first }
+}
+
+/// Units that points of the lattice get for a budget of so many rays a point.
+pub(super) fn first_units(rays_per_point: f64) -> u32 {
+    if rays_per_point < MANY { 1 } else { FULL }
+}
 
 impl Hybrid {
-    /// Traces the lattice for a budget of so many rays a point.
-    pub(super) fn start(
-        &mut self,
-        plan: &AoPlan,
-        bvh: &Bvh,
-        points: &[SurfacePoint],
-        rays_per_point: f64,
-        control: Control<'_>,
-    ) {
-        let first = if rays_per_point < MANY { 1 } else { FULL };
+    /// Traces the lattice for a budget of so many rays a point, in bundles that suit it; not started where it was interrupted.
+    pub(super) fn start(&mut self, work: &Work<'_>, rays_per_point: f64) {
+        let first = first_units(rays_per_point);
+        if first != self.rays.first {
+            self.unfinished.clear();
+        }
         let area = f64::from(first * UNIT) / (FIRST_SHARE * rays_per_point.max(f64::MIN_POSITIVE));
         let step = 1 << (0.5 * area.log2()).ceil().clamp(0.0, WIDEST) as usize;
         let pixels = &self.pixels;
@@ -48,32 +51,26 @@ impl Hybrid {
         };
         let lattice: Vec<Order> =
             pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, units: first }).collect();
-        self.rays = Rays { unit: STRATIFIED as f32, full: STRATIFIED as f32, first };
-        self.trace(plan, bvh, points, &lattice, control);
-        // Points that were not reached have nothing to be compared with.
-        if !control.is_cancelled() {
-            self.rays = self.pilot(plan, bvh, points, &lattice);
-            let level = bvh.level();
-            if step <= NEAR {
-                let (pixels, tallies) = (&self.pixels, &self.tallies);
-                self.known = look::look(level, pixels, tallies, &self.rays, step, &mut self.weigher);
-            } else {
-                self.weigh(level);
-            }
+        self.rays = unknown(first);
+        if self.trace(work, &lattice, f64::INFINITY) {
+            self.rays = self.pilot(work, &lattice);
+            self.started = true;
+            self.step = step as u32;
         }
     }
 
     /// Traces full bundles of other rays at some of the lattice's points: half the squared difference of two that are alike is their
     /// variance. What holds of units and of full bundles then follows from each other, for eight times the variance is
     /// expected of a unit.
-    fn pilot(&mut self, plan: &AoPlan, bvh: &Bvh, points: &[SurfacePoint], lattice: &[Order]) -> Rays {
+    fn pilot(&mut self, work: &Work<'_>, lattice: &[Order]) -> Rays {
         let first = self.rays.first;
         let pairs = PAIRS.min(lattice.len() * first as usize / PAIR_OF);
         let every = lattice.len() / pairs.max(1);
         let pair = |k: usize| {
             let at = lattice[k * every].at as usize;
             let tally = &self.tallies[at];
-            let again = bundles::again(plan, bvh, &points[self.pixels.point[at] as usize], SALT);
+            let point = &work.points[self.pixels.point[at] as usize];
+            let again = bundles::again(work.plan, work.bvh, point, SALT);
             let (off, formal) = if first == FULL {
                 (again.mean - tally.mean(), again.in_full + tally.in_fulls)
             } else {
@@ -89,7 +86,7 @@ impl Hybrid {
             in_units += in_unit;
             in_fulls += in_full;
         }
-        self.pilot_rays = pairs as u64 * u64::from(FULL * UNIT);
+        self.pilot_rays += pairs as u64 * u64::from(FULL * UNIT);
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
         let found = if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
         let full_to_unit = if in_units > 0.0 { f64::from(worth(FULL)) * in_fulls / in_units } else { 1.0 };

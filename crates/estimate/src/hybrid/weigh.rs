@@ -47,6 +47,11 @@ pub(super) struct Weigher {
 }
 
 impl Weigher {
+    /// Mean variance of one unit of rays, as last weighed.
+    pub(super) fn unit_variance(&self) -> f32 {
+        self.columns.unit
+    }
+
     /// Brings what is known up to date.
     pub(super) fn weigh(
         &mut self,
@@ -80,7 +85,11 @@ impl Weigher {
                 let at = part * 4 * pixels.stride + x;
                 if x % pixels.stride == 0 {
                     let row = at / pixels.stride;
-                    witnesses.told.iter().zip(&mut *windows).for_each(|(told, window)| told.load(window, row));
+                    witnesses
+                        .told
+                        .iter()
+                        .zip(&mut *windows)
+                        .for_each(|(told, window)| told.load(window, row));
                 }
                 if (at..at + LANES).any(|at| pixels.is_covered(at)) {
                     dispatch!(level, simd => sixteen(simd, &witnesses, windows, at, x, &mut out));
@@ -125,7 +134,8 @@ fn sixteen<S: Simd>(
     for size in usable.sizes {
         let guess = &witnesses.guesses[size];
         let formal = f32x16::from_slice(simd, &guess.formal[at..at + LANES]);
-        let used = formal.simd_lt(splat(f32::MAX)) & usable.first.simd_le(splat(size as f32))
+        let used = formal.simd_lt(splat(f32::MAX))
+            & usable.first.simd_le(splat(size as f32))
             & usable.first.simd_ge(splat(size as f32 - 1.0));
         let expected = formal * local.factors[size].max(least);
         // Both see the same neighbours, so that their mean is no better than they are; the better one counts more.

@@ -42,7 +42,7 @@ impl Squares {
     pub(crate) fn new(plan: &AoPlan, seed: u32) -> Self {
         match plan.sampling {
             Sampling::Sobol => Self::Sobol { seed },
-            Sampling::Stratified => Self::Stratified(JitteredPoints::new(plan.rays, seed)),
+            Sampling::Stratified => Self::Stratified(JitteredPoints::new(plan.budget.rays, seed)),
             Sampling::Random => Self::Random(RandomPoints::new(seed)),
         }
     }

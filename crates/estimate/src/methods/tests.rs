@@ -59,7 +59,7 @@ fn a_plan_is_in_world_units() {
     let plan = AoPlan::new(&AoSettings::default(), bounds).unwrap();
     assert_eq!(plan.distance, 5.0);
     assert!(AoPlan::new(&AoSettings::default(), Bounds::EMPTY).is_err(), "no size, no automatic distance");
-    assert_eq!(plan.samples(), plan.rays);
+    assert_eq!(plan.samples(), plan.budget.rays);
 }
 
 #[test]

@@ -27,12 +27,12 @@ impl Contender for Hybrid {
     }
 
     fn run(&self, case: &Case, effort: u32, control: Control<'_>) -> Result<Answer, StudyError> {
-        let settings = AoSettings { method: Method::Hybrid, rays: effort, ..case.settings.clone() };
+        let settings = AoSettings { method: Method::Hybrid, rays: Some(effort), ..case.settings.clone() };
         let plan = case.session.plan_for(&settings)?;
         let missing =
             || StudyError::Rival { name: self.name().into(), problem: "the target is no image".into() };
         let mut hybrid = case.session.hybrid(&plan, &case.target).ok_or_else(missing)?;
-        case.session.refine(&mut hybrid, &plan, case.target.points(), f64::from(effort), control);
+        case.session.refine(&mut hybrid, &plan, case.target.points(), plan.budget, control);
         let estimates = case.session.install(|| hybrid.estimates());
         Ok(Answer::of(&estimates, hybrid.rays(), 0))
     }

@@ -64,7 +64,7 @@ pub(super) fn trace(
     sampling: Sampling,
     control: Control<'_>,
 ) -> Result<Answer, StudyError> {
-    let settings = AoSettings { method: Method::Rays, rays, sampling, ..case.settings.clone() };
+    let settings = AoSettings { method: Method::Rays, rays: Some(rays), sampling, ..case.settings.clone() };
     case.answer(&settings, 0..rays, control)
 }
 
@@ -97,7 +97,7 @@ mod tests {
         let run = |sampling| Rays::new(sampling).run(&case, 8, Control::none()).unwrap().visibility;
         let [sobol, stratified, random] = Sampling::ALL.map(run);
         assert!(sobol != stratified && sobol != random && stratified != random);
-        let settings = AoSettings { method: Method::Rays, rays: 8, ..case.settings.clone() };
+        let settings = AoSettings { method: Method::Rays, rays: Some(8), ..case.settings.clone() };
         assert_eq!(case.answer(&settings, 0..8, Control::none()).unwrap().visibility, sobol);
     }
 

@@ -2,7 +2,8 @@
 
 use super::Trial;
 use crate::{
-    Answer, Case, Contender, Effort, Fingerprint, StudyError, StudyOptions, kept::Kept, meter::Meter,
+    Answer, Case, Contender, Effort, Fingerprint, StudyError, StudyOptions, fingerprint_of_case, kept::Kept,
+    meter::Meter,
 };
 use serde_json::{Value, json};
 use std::{fs, path::PathBuf};
@@ -26,7 +27,7 @@ impl Store {
             .map_err(|e| StudyError::Output { path: folder.clone(), reason: e.to_string() })?;
         Ok(Self {
             folder,
-            case: Fingerprint::of_case(case)?,
+            case: fingerprint_of_case(case)?,
             settings: json!(case.settings).to_string(),
             points: case.points().len(),
         })

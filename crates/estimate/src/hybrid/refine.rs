@@ -1,0 +1,203 @@
+//! Rounds of rays until a budget is spent.
+
+use super::{Hybrid, NO_POINT, Order, UNIT, bundles, choose, tallies::Tally};
+use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
+use conray_bvh::Bvh;
+use conray_core::SurfacePoint;
+use rayon::prelude::*;
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
+
+/// Below a bundle for so many points it is early.
+const EARLY: u64 = 8;
+/// A round costs some time of its own: none for less than one part in so many.
+const WORTHWHILE: u64 = 50;
+
+/// All that a round needs besides the work so far.
+pub(super) struct Work<'a> {
+    pub(super) plan: &'a AoPlan,
+    pub(super) bvh: &'a Bvh,
+    pub(super) points: &'a [SurfacePoint],
+    pub(super) budget: Budget,
+    pub(super) meter: &'a Meter<'a>,
+}
+
+/// Bundles of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
+fn this_round(had: u64, left: u64, points: u64) -> u64 {
+    let much = if EARLY * had < points { 4 * had } else { 2 * had };
+    if left > much { had.max(left.div_ceil(3)) } else { left }
+}
+
+impl Hybrid {
+    /// Adds rays, in rounds, until the budget is spent, and says what ended it; stops within a round when cancelled. Rays of the
+    /// budget are those of all calls together, its seconds those of this call, with the answers of [`Hybrid::estimates`].
+    ///
+    /// `points` are those that the work began with. Progress is told in thousandths ([`crate::PROGRESS_UNITS`]). The result depends
+    /// on the plan, the points and the budgets so far, not on threads; with seconds it depends on the clock. What an
+    /// interrupted round found counts in the estimates at once, and the next call goes on with that round: in the end the bits
+    /// are those of work that was never interrupted.
+    ///
+    /// # Panics
+    /// If there are fewer points than the work began with.
+    pub fn refine(
+        &mut self,
+        plan: &AoPlan,
+        bvh: &Bvh,
+        points: &[SurfacePoint],
+        budget: Budget,
+        control: Control<'_>,
+    ) -> Ended {
+        let meter = Meter::new(control, budget.seconds);
+        let ended = self.rounds_until(&Work { plan, bvh, points, budget, meter: &meter });
+        if !self.is_weighed() && self.rays() > 0 {
+            self.weigh(bvh.level());
+        }
+        meter.finish();
+        ended
+    }
+
+    fn rounds_until(&mut self, work: &Work<'_>) -> Ended {
+        let control = work.meter.control;
+        if self.covered == 0 {
+            return Ended::Done;
+        }
+        if work.budget.seconds.is_some() && !control.is_cancelled() {
+            self.time_rays(work);
+        }
+        if self.started && (self.step > 0 || !self.unfinished.is_empty()) && !control.is_cancelled() {
+            // An interrupted round is gone on with by what was known when it began.
+            self.survey(work.bvh.level());
+        }
+        loop {
+            if control.is_cancelled() {
+                return Ended::Cancelled;
+            }
+            if work.budget.error.is_some_and(|goal| self.started && self.expected_rmse() <= f64::from(goal)) {
+                if self.is_weighed() {
+                    return Ended::Error;
+                }
+                self.weigh(work.bvh.level());
+                continue;
+            }
+            self.foreseen = self.foresee(work);
+            if !self.started || self.outgrown(work) {
+                self.begin(work);
+                continue;
+            }
+            if !self.round(work) {
+                let timed = work.budget.seconds.is_some();
+                return match control.is_cancelled() {
+                    true => Ended::Cancelled,
+                    false if timed && self.foreseen < f64::from(work.budget.rays) => Ended::Time,
+                    false => Ended::Rays,
+                };
+            }
+        }
+    }
+
+    /// The lattice, anew where there was one in smaller bundles.
+    fn begin(&mut self, work: &Work<'_>) {
+        if self.started {
+            self.pilot_rays = self.rays_of_rounds();
+            self.tallies.fill(Tally::default());
+            self.started = false;
+            self.known = super::Known::default();
+        }
+        self.start(work, self.foreseen);
+        if self.started && work.budget.seconds.is_none() {
+            self.survey(work.bvh.level());
+        } else {
+            self.weigh(work.bvh.level());
+        }
+        self.note(work);
+        if work.budget.seconds.is_some() && self.started {
+            self.choose_method(work);
+        }
+    }
+
+    /// One round; false where nothing worthwhile is left to do, or it was stopped.
+    fn round(&mut self, work: &Work<'_>) -> bool {
+        let until = work.meter.elapsed() + work.meter.left() - self.tail_seconds();
+        if self.choice == Choice::Evenly {
+            let more = work.meter.elapsed() < until && self.level(work, until);
+            if more {
+                self.note(work);
+            }
+            return more;
+        }
+        let unit = u64::from(UNIT);
+        let goal = (self.foreseen * self.covered as f64 / unit as f64).round() as u64;
+        let had = self.rays_of_rounds() / unit;
+        let left = goal.saturating_sub(had);
+        if left * WORTHWHILE <= goal {
+            return false;
+        }
+        let mut now = this_round(had, left, self.covered);
+        if work.meter.left() < 5.0 * self.tail_seconds() {
+            // Another weighing would take more than it gives.
+            now = left;
+        }
+        let orders = choose::choose(&self.pixels, &self.tallies, &self.known, self.rays.first, now);
+        if orders.is_empty() {
+            return false;
+        }
+        let whole = self.trace(work, &orders, until);
+        self.weigh(work.bvh.level());
+        self.note(work);
+        whole
+    }
+
+    /// Keeps what a whole round came to.
+    fn note(&mut self, work: &Work<'_>) {
+        if work.budget.seconds.is_some() {
+            self.time_answers();
+        }
+        if self.unfinished.is_empty() && self.started {
+            let (rays_per_point, expected_rmse) = (self.rays_per_point(), self.expected_rmse());
+            self.rounds.push(Round { rays_per_point, expected_rmse, seconds: work.meter.elapsed() });
+        }
+    }
+
+    /// Carries out orders, those that an interrupted round did not; false where they were interrupted again. What is not reached
+    /// until that many seconds of the clock is left out.
+    pub(super) fn trace(&mut self, work: &Work<'_>, orders: &[Order], until: f64) -> bool {
+        let start = Instant::now();
+        let done_before = std::mem::take(&mut self.unfinished);
+        let (before, all) = (self.rays_of_rounds(), self.foreseen * self.covered as f64);
+        let (traced, control) = (AtomicU64::new(0), work.meter.control);
+        let one = |order: &Order| {
+            match done_before.get(order.at as usize) {
+                Some(done) if done.units == order.units => return *done,
+                _ if control.is_cancelled() || work.meter.elapsed() > until => return Tally::default(),
+                _ => {}
+            }
+            let (point, had) = (self.pixels.point[order.at as usize], self.tallies[order.at as usize].units);
+            let point = &work.points[point as usize];
+            let found = bundles::trace(work.plan, work.bvh, point, had..had + order.units, 0);
+            let new = u64::from(order.units * UNIT);
+            let traced = new + traced.fetch_add(new, Ordering::Relaxed);
+            work.meter.at((before + traced) as f64 / all);
+            found
+        };
+        let found: Vec<Tally> = orders.par_iter().with_min_len(64).map(one).collect();
+        let traced = traced.into_inner();
+        if traced > 0 {
+            self.costs.ray_seconds = Some(start.elapsed().as_secs_f64() / traced as f64);
+        }
+        let whole = !control.is_cancelled() || found.iter().all(|found| found.units > 0);
+        if whole && self.started {
+            self.step = 0;
+        }
+        if !whole {
+            self.unfinished = vec![Tally::default(); self.pixels.len()];
+        }
+        let kept = if whole { &mut self.tallies } else { &mut self.unfinished };
+        for (order, found) in orders.iter().zip(&found) {
+            debug_assert!(order.at != NO_POINT);
+            kept[order.at as usize].merge(found);
+        }
+        whole
+    }
+}

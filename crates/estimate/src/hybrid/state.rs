@@ -1,0 +1,236 @@
+//! Work kept for later: what whole rounds found and what an interrupted one did, with marks of what it belongs to.
+//!
+//! | bytes | what |
+//! | --- | --- |
+//! | 8 | `conrayhy` |
+//! | 4 | version |
+//! | 16 each | fingerprints: scene, points, distance, falloff, seed |
+//! | 8 | places |
+//! | 4, 4, 4, 4, 1, 1, 8 | units of the lattice and its step, how units and bundles err, started, evenly, rays in no tally |
+//! | 8 + 24 n | rounds: rays a point, expected RMSE, seconds |
+//! | 32 each | tallies: units, full bundles, sum, two variances, open direction |
+//! | 1, 32 each | whether a round was interrupted, and its tallies |
+//! | 16 | XXH3 checksum, 128 bits, of all bytes before it |
+//!
+//! All numbers are little-endian. No length in the file is believed: the points say how long it is.
+
+use super::{
+    Hybrid,
+    tallies::{FULL, Tally},
+};
+use crate::{AoPlan, Choice, Round};
+use conray_bvh::Level;
+use conray_core::{Feed, Fingerprint, SurfacePoint, Vec3};
+use std::io::{self, Write};
+use thiserror::Error;
+use twox_hash::XxHash3_128;
+
+const MAGIC: &[u8; 8] = b"conrayhy";
+/// Raised whenever the layout changes.
+const VERSION: u32 = 1;
+const CHECKSUM_BYTES: usize = 16;
+const TALLY_BYTES: usize = 32;
+const ROUND_BYTES: usize = 24;
+/// More rounds than any work takes.
+const MOST_ROUNDS: usize = 10_000;
+/// Bytes besides rounds and tallies, and some to spare.
+const HEAD_BYTES: usize = 256;
+
+/// Why kept work cannot be gone on with.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum StateError {
+    /// It is no kept work of this version, cut short or damaged.
+    #[error("{0}; delete it to begin anew")]
+    Damaged(String),
+    /// It is work on something else.
+    #[error("it is work with another {0}; ask for the same, or delete it to begin anew")]
+    Other(&'static str),
+}
+
+fn damaged(what: &str) -> StateError {
+    StateError::Damaged(what.into())
+}
+
+/// All that results depend on, by the names that people know it by.
+fn belongs_to(
+    plan: &AoPlan,
+    scene: Fingerprint,
+    points: &[SurfacePoint],
+) -> [(&'static str, Fingerprint); 5] {
+    let seen = |feed: &mut Feed| {
+        feed.points(points);
+        points.iter().for_each(|point| feed.f32(point.footprint));
+    };
+    [
+        ("scene or --alpha", scene),
+        ("view or --size", Fingerprint::of(seen)),
+        ("--distance", Fingerprint::of(|feed| feed.f32(plan.distance))),
+        ("--falloff", Fingerprint::of(|feed| feed.text(&plan.falloff.to_string()))),
+        ("--seed", Fingerprint::of(|feed| feed.u32(plan.seed))),
+    ]
+}
+
+impl Hybrid {
+    /// Writes all that is needed to go on: [`Hybrid::load`] and the same budget then give the bits of unbroken work, wherever it
+    /// was stopped. `scene` stands for what occludes.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn save(
+        &self,
+        plan: &AoPlan,
+        scene: Fingerprint,
+        points: &[SurfacePoint],
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        for (_, fingerprint) in belongs_to(plan, scene, points) {
+            bytes.extend(fingerprint.to_le_bytes());
+        }
+        bytes.extend((self.tallies.len() as u64).to_le_bytes());
+        bytes.extend(self.rays.first.to_le_bytes());
+        bytes.extend(self.step.to_le_bytes());
+        bytes.extend(self.rays.unit.to_le_bytes());
+        bytes.extend(self.rays.full.to_le_bytes());
+        bytes.extend([u8::from(self.started), u8::from(self.choice == Choice::Evenly)]);
+        bytes.extend(self.pilot_rays.to_le_bytes());
+        bytes.extend((self.rounds.len() as u64).to_le_bytes());
+        for round in &self.rounds {
+            for value in [round.rays_per_point, round.expected_rmse, round.seconds] {
+                bytes.extend(value.to_le_bytes());
+            }
+        }
+        put(&mut bytes, &self.tallies);
+        bytes.push(u8::from(!self.unfinished.is_empty()));
+        put(&mut bytes, &self.unfinished);
+        let checksum = XxHash3_128::oneshot(&bytes);
+        bytes.extend(checksum.to_le_bytes());
+        out.write_all(&bytes)
+    }
+
+    /// Most bytes that kept work on so many points takes: read no more than that, and one.
+    pub fn most_saved_bytes(&self) -> u64 {
+        (HEAD_BYTES + MOST_ROUNDS * ROUND_BYTES + 2 * TALLY_BYTES * self.tallies.len()) as u64
+    }
+
+    /// Takes up kept work in place of this, which must be without a ray yet.
+    ///
+    /// # Errors
+    /// Bytes that are no kept work, or work on something else.
+    pub fn load(
+        mut self,
+        plan: &AoPlan,
+        scene: Fingerprint,
+        points: &[SurfacePoint],
+        level: Level,
+        bytes: &[u8],
+    ) -> Result<Self, StateError> {
+        let mut head = Cursor(bytes);
+        if head.array::<8>()? != *MAGIC {
+            return Err(damaged("it is no kept work of this program"));
+        }
+        // The version goes first: another one may keep its checksum elsewhere.
+        let version = u32::from_le_bytes(head.array()?);
+        if version != VERSION {
+            return Err(StateError::Damaged(format!(
+                "it has version {version} where this program reads {VERSION}"
+            )));
+        }
+        let end = bytes.len().checked_sub(CHECKSUM_BYTES).ok_or_else(cut_short)?;
+        let (content, checksum) = bytes.split_at(end);
+        if XxHash3_128::oneshot(content).to_le_bytes() != checksum {
+            return Err(damaged("its checksum does not match: it is damaged or cut short"));
+        }
+        let mut rest = Cursor(content);
+        rest.take(MAGIC.len() + size_of::<u32>())?;
+        for (name, expected) in belongs_to(plan, scene, points) {
+            if Fingerprint::from_le_bytes(rest.array()?) != expected {
+                return Err(StateError::Other(name));
+            }
+        }
+        self.read(&mut rest)?;
+        if !rest.0.is_empty() {
+            return Err(damaged("it goes on after its end"));
+        }
+        if self.rays_of_rounds() > 0 || !self.unfinished.is_empty() {
+            self.weigh(level);
+        }
+        Ok(self)
+    }
+
+    fn read(&mut self, rest: &mut Cursor<'_>) -> Result<(), StateError> {
+        if u64::from_le_bytes(rest.array()?) != self.tallies.len() as u64 {
+            return Err(damaged("its size is not that of the image"));
+        }
+        self.rays.first = u32::from_le_bytes(rest.array()?);
+        self.step = u32::from_le_bytes(rest.array()?);
+        if ![1, FULL].contains(&self.rays.first) || !(self.step == 0 || self.step.is_power_of_two()) {
+            return Err(damaged("its lattice is none that there is"));
+        }
+        self.rays.unit = f32::from_le_bytes(rest.array()?);
+        self.rays.full = f32::from_le_bytes(rest.array()?);
+        let [started, evenly] = rest.array()?;
+        self.started = started != 0;
+        self.choice = if evenly == 0 { Choice::Hybrid } else { Choice::Evenly };
+        self.pilot_rays = u64::from_le_bytes(rest.array()?);
+        let rounds = u64::from_le_bytes(rest.array()?);
+        if rounds > MOST_ROUNDS as u64 {
+            return Err(damaged("it has too many rounds"));
+        }
+        for _ in 0..rounds {
+            let [rays_per_point, expected_rmse, seconds] =
+                [rest.array()?, rest.array()?, rest.array()?].map(f64::from_le_bytes);
+            self.rounds.push(Round { rays_per_point, expected_rmse, seconds });
+        }
+        let places = self.tallies.len();
+        self.tallies = rest.tallies(places)?;
+        let [interrupted] = rest.array()?;
+        self.unfinished = if interrupted == 0 { Vec::new() } else { rest.tallies(places)? };
+        Ok(())
+    }
+}
+
+fn put(bytes: &mut Vec<u8>, tallies: &[Tally]) {
+    for tally in tallies {
+        bytes.extend(tally.units.to_le_bytes());
+        bytes.extend(tally.fulls.to_le_bytes());
+        for value in [tally.sum, tally.in_units, tally.in_fulls, tally.bent.x, tally.bent.y, tally.bent.z] {
+            bytes.extend(value.to_le_bytes());
+        }
+    }
+}
+
+fn cut_short() -> StateError {
+    damaged("it is cut short")
+}
+
+/// What is left to read.
+struct Cursor<'a>(&'a [u8]);
+
+impl<'a> Cursor<'a> {
+    fn take(&mut self, count: usize) -> Result<&'a [u8], StateError> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or_else(cut_short)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], StateError> {
+        let (taken, rest) = self.0.split_first_chunk().ok_or_else(cut_short)?;
+        self.0 = rest;
+        Ok(*taken)
+    }
+
+    fn tallies(&mut self, count: usize) -> Result<Vec<Tally>, StateError> {
+        let bytes = self.take(count.checked_mul(TALLY_BYTES).ok_or_else(cut_short)?)?;
+        let one = |bytes: &[u8; TALLY_BYTES]| {
+            let mut words = bytes.as_chunks::<4>().0.iter().copied();
+            let mut whole = || u32::from_le_bytes(words.next().unwrap_or_default());
+            let (units, fulls) = (whole(), whole());
+            let mut float = || f32::from_le_bytes(words.next().unwrap_or_default());
+            let (sum, in_units, in_fulls) = (float(), float(), float());
+            Tally { units, fulls, sum, in_units, in_fulls, bent: Vec3::new(float(), float(), float()) }
+        };
+        Ok(bytes.as_chunks().0.iter().map(one).collect())
+    }
+}
