@@ -94,7 +94,7 @@ impl Cells {
         let count = self.stride * self.height;
         self.channels.iter_mut().for_each(|channel| channel.resize(count, 0.0));
         let rows = super::columns::in_parts(&mut self.channels, self.stride);
-        let widest = widest.par_chunks_mut(pixels.stride << size);
+        let widest = widest.par_chunks_mut((pixels.stride << size).max(1));
         rows.into_par_iter().zip(widest).enumerate().with_min_len(4).for_each(|(y, (mut out, widest))| {
             for x in 0..self.width {
                 let (cell, left_out) = below.merged(pixels, size, x, y);

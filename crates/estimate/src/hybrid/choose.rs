@@ -81,8 +81,8 @@ fn candidate(known: &Known, at: usize, had: u32, lattice: u32, least: u32, dithe
         let own = if units == 0 { f32::INFINITY } else { Rays::variance(unit_variance, units) };
         together(guess_error2, own)
     };
-    let near = (2 * had).max(lattice);
-    let far = if had > 0 { near.max(FULL) } else { near };
+    let near = (2 * had).max(1);
+    let far = if had > 0 { near.max(FULL) } else { lattice };
     let first = if had == 0 { FIRST_RAYS } else { 1.0 };
     let gain = |from, to| dither * first * (after(from) - after(to)) / (time(to - had) - time(from - had));
     let (step, further) = (gain(had, near), if far > near { gain(near, far) } else { 0.0 });

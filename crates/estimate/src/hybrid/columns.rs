@@ -15,6 +15,8 @@ pub(super) struct Columns {
     pub(super) mean: Vec<f32>,
     /// Variance of that mean.
     pub(super) variance: Vec<f32>,
+    /// Squared error of what its rays do not see.
+    pub(super) unseen: Vec<f32>,
     /// Variance of one unit.
     pub(super) unit_variance: Vec<f32>,
     /// 1 where there are rays.
@@ -29,8 +31,14 @@ const PART: usize = 1 << 13;
 impl Columns {
     /// Becomes those of these tallies.
     pub(super) fn fill(&mut self, pixels: &Pixels, tallies: &[Tally], rays: &Rays) {
-        let mut columns =
-            [&mut self.worth, &mut self.mean, &mut self.variance, &mut self.unit_variance, &mut self.sampled];
+        let mut columns = [
+            &mut self.worth,
+            &mut self.mean,
+            &mut self.variance,
+            &mut self.unit_variance,
+            &mut self.sampled,
+            &mut self.unseen,
+        ];
         columns.iter_mut().for_each(|column| column.resize(pixels.len(), 0.0));
         let part = |(mut out, tallies): (Vec<&mut [f32]>, &[Tally])| {
             let (mut sum, mut count) = (0.0, 0u32);
@@ -42,6 +50,7 @@ impl Columns {
                 out[2][k] = if some { Rays::variance(unit_variance, tally.units) } else { 0.0 };
                 out[3][k] = unit_variance;
                 out[4][k] = f32::from(u8::from(some));
+                out[5][k] = if some { Rays::unseen(tally.units) } else { 0.0 };
                 sum += f64::from(unit_variance);
                 count += u32::from(some);
             }

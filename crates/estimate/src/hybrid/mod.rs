@@ -25,7 +25,6 @@ mod costs;
 mod evenly;
 mod forecast;
 mod likeness;
-mod look;
 mod pixels;
 mod refine;
 mod regress;
@@ -62,8 +61,6 @@ pub struct Hybrid {
     rays: Rays,
     /// True once the lattice is whole.
     started: bool,
-    /// Pixels between points of the lattice while there are no other rays, else 0.
-    step: u32,
     /// Rays traced to find out how rays err and what they cost, or left behind; they are in no tally.
     pilot_rays: u64,
     known: Known,
@@ -86,7 +83,6 @@ impl Hybrid {
             unfinished: Vec::new(),
             rays: start::unknown(1),
             started: false,
-            step: 0,
             pilot_rays: 0,
             known: Known::default(),
             weigher: Weigher::default(),
@@ -151,21 +147,6 @@ impl Hybrid {
         weigher.weigh(level, &self.pixels, &self.shown(), &self.rays, &mut known);
         (self.weigher, self.known) = (weigher, known);
         self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
-    }
-
-    /// Finds out what whole rounds tell for choosing the next one: of a dense lattice a first look is enough.
-    fn survey(&mut self, level: Level) {
-        if self.step == 0 || self.step > look::NEAR {
-            let known = &mut self.known;
-            return self.weigher.weigh(level, &self.pixels, &self.tallies, &self.rays, known);
-        }
-        let (pixels, step) = (&self.pixels, self.step as usize);
-        self.known = look::look(level, pixels, &self.tallies, &self.rays, step, &mut self.weigher);
-    }
-
-    /// False where not even visibility is known, or only a first look was taken.
-    fn is_weighed(&self) -> bool {
-        !self.known.value.is_empty()
     }
 
     /// The estimates so far, one a point: pending before the first rays, and of infinite error where a point is not valid.

@@ -64,40 +64,6 @@ impl Pixels {
         pixels
     }
 
-    /// The pixels in the middle of squares of `step` a side as an image of their own, and the place here of each place there.
-    pub(super) fn lattice(&self, step: usize) -> (Self, Vec<usize>) {
-        let middle = |cell: usize| cell * step + step / 2;
-        let cells = |side: usize| (side + step - 1 - step / 2) / step;
-        let (width, height) = (cells(self.width), cells(self.height));
-        let stride = width.next_multiple_of(LANES);
-        let count = stride * height;
-        let mut out = Self {
-            width,
-            height,
-            stride,
-            place: std::array::from_fn(|_| vec![0.0; count]),
-            sharpness: vec![0.0; count],
-            point: vec![NO_POINT; count],
-            place_of: Vec::new(),
-        };
-        let mut places = vec![usize::MAX; count];
-        for y in 0..height {
-            for x in 0..width {
-                let (from, to) = (middle(y) * self.stride + middle(x), y * stride + x);
-                places[to] = from;
-                for (out, place) in out.place.iter_mut().zip(&self.place) {
-                    out[to] = place[from];
-                }
-                out.sharpness[to] = self.sharpness[from] / step as f32;
-                out.point[to] = self.point[from];
-                if out.is_covered(to) {
-                    out.place_of.push(to as u32);
-                }
-            }
-        }
-        (out, places)
-    }
-
     /// Places in all.
     pub(super) fn len(&self) -> usize {
         self.point.len()

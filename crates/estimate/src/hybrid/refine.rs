@@ -51,9 +51,6 @@ impl Hybrid {
     ) -> Ended {
         let meter = Meter::new(control, budget.seconds);
         let ended = self.rounds_until(&Work { plan, bvh, points, budget, meter: &meter });
-        if !self.is_weighed() && self.rays() > 0 {
-            self.weigh(bvh.level());
-        }
         meter.finish();
         ended
     }
@@ -66,20 +63,17 @@ impl Hybrid {
         if work.budget.seconds.is_some() && !control.is_cancelled() {
             self.time_rays(work);
         }
-        if self.started && (self.step > 0 || !self.unfinished.is_empty()) && !control.is_cancelled() {
+        if self.started && !self.unfinished.is_empty() && !control.is_cancelled() {
             // An interrupted round is gone on with by what was known when it began.
-            self.survey(work.bvh.level());
+            let known = &mut self.known;
+            self.weigher.weigh(work.bvh.level(), &self.pixels, &self.tallies, &self.rays, known);
         }
         loop {
             if control.is_cancelled() {
                 return Ended::Cancelled;
             }
             if work.budget.error.is_some_and(|goal| self.started && self.expected_rmse() <= f64::from(goal)) {
-                if self.is_weighed() {
-                    return Ended::Error;
-                }
-                self.weigh(work.bvh.level());
-                continue;
+                return Ended::Error;
             }
             self.foreseen = self.foresee(work);
             if !self.started || self.outgrown(work) {
@@ -106,11 +100,7 @@ impl Hybrid {
             self.known = super::Known::default();
         }
         self.start(work, self.foreseen);
-        if self.started && work.budget.seconds.is_none() {
-            self.survey(work.bvh.level());
-        } else {
-            self.weigh(work.bvh.level());
-        }
+        self.weigh(work.bvh.level());
         self.note(work);
         if work.budget.seconds.is_some() && self.started {
             self.choose_method(work);
@@ -134,7 +124,7 @@ impl Hybrid {
         if left * WORTHWHILE <= goal {
             return false;
         }
-        let mut now = this_round(had, left, self.covered);
+        let mut now = this_round(had, left, self.covered).max(u64::from(self.rays.first));
         if work.meter.left() < 5.0 * self.tail_seconds() {
             // Another weighing would take more than it gives.
             now = left;
@@ -187,9 +177,6 @@ impl Hybrid {
             self.costs.ray_seconds = Some(start.elapsed().as_secs_f64() / traced as f64);
         }
         let whole = !control.is_cancelled() || found.iter().all(|found| found.units > 0);
-        if whole && self.started {
-            self.step = 0;
-        }
         if !whole {
             self.unfinished = vec![Tally::default(); self.pixels.len()];
         }

@@ -26,6 +26,8 @@ const REACH: usize = 2;
 const ROWS: usize = 2 * REACH + 1;
 /// Least weight, in units of rays, from which something can be said.
 const LEAST_WEIGHT: f32 = 0.05;
+/// Formal variance, in that of a unit, of a guess that says nothing: cells far off to one side.
+const NOTHING: f32 = 1e4;
 /// One of so many pixels is too few to look at another size for.
 const FEW: usize = 200;
 /// Slope of visibility that is expected, per unit of length.
@@ -135,7 +137,7 @@ impl Guess {
         let (pixels, size) = (layer.pixels, layer.size);
         let mut out = [&mut self.value, &mut self.formal, &mut self.off, &mut self.over];
         out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
-        let rows = pixels.stride << size;
+        let rows = (pixels.stride << size).max(1);
         let window = || Window::new(pixels.stride, size, REACH, CHANNELS);
         let parts = in_parts(&mut out, rows).into_par_iter().zip(enough.par_chunks_mut(rows));
         let lacking = parts.enumerate().map_init(window, |window, (row, (mut out, enough))| {
@@ -297,9 +299,11 @@ fn solve<S: Simd>(simd: S, sums: &Sums<S>, ridge: f32) -> (f32x16<S>, f32x16<S>)
     let (uy, vy) = (sums.uy * scale - u * y, sums.vy * scale - v * y);
     let inverse = one / (uu * vv - uv * uv).max(f32x16::splat(simd, f32::MIN_POSITIVE));
     let (slope_u, slope_v) = ((uy * vv - vy * uv) * inverse, (vy * uu - uy * uv) * inverse);
-    let fitted = (y - slope_u * u - slope_v * v).max(zero).min(one);
+    let fitted = y - slope_u * u - slope_v * v;
     let beyond = (u * u * vv - f32x16::splat(simd, 2.0) * u * v * uv + v * v * uu) * inverse;
-    let formal = told.select((one + beyond.max(zero)) * scale, f32x16::splat(simd, f32::INFINITY));
+    let formal = (one + beyond.max(zero)) * scale;
+    let told = told & formal.simd_lt(f32x16::splat(simd, NOTHING));
+    let formal = told.select(formal, f32x16::splat(simd, f32::INFINITY));
     (fitted, formal)
 }
 

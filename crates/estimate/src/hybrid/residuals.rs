@@ -100,7 +100,11 @@ impl Sums {
         let count = FIXED + 2 * told.guesses;
         self.size = size;
         self.channels.resize(count, Vec::new());
-        self.channels.iter_mut().for_each(|channel| channel.resize(grid.stride * grid.height, 0.0));
+        self.channels.iter_mut().for_each(|channel| {
+            // What lies beyond the cells of a row counts for nothing.
+            channel.clear();
+            channel.resize(grid.stride * grid.height, 0.0);
+        });
         let rows = pixels.stride << size;
         let least = size as f32;
         let column = || vec![0.0f32; pixels.stride];

@@ -12,7 +12,7 @@ const FIRST_SHARE: f64 = 0.25;
 /// Most pixels between points of the lattice, as a power of two.
 const WIDEST: f64 = 4.0;
 /// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
-pub(super) const MANY: f64 = 32.0;
+pub(super) const MANY: f64 = 48.0;
 /// Points that are traced again at most, and for how many units of the lattice one is.
 const PAIRS: usize = 2048;
 const PAIR_OF: usize = 32;
@@ -55,7 +55,6 @@ impl Hybrid {
         if self.trace(work, &lattice, f64::INFINITY) {
             self.rays = self.pilot(work, &lattice);
             self.started = true;
-            self.step = step as u32;
         }
     }
 

@@ -6,7 +6,7 @@
 //! | 4 | version |
 //! | 16 each | fingerprints: scene, points, distance, falloff, seed |
 //! | 8 | places |
-//! | 4, 4, 4, 4, 1, 1, 8 | units of the lattice and its step, how units and bundles err, started, evenly, rays in no tally |
+//! | 4, 4, 4, 1, 1, 8 | units of the lattice, how units and bundles err, started, evenly, rays in no tally |
 //! | 8 + 24 n | rounds: rays a point, expected RMSE, seconds |
 //! | 32 each | tallies: units, full bundles, sum, two variances, open direction |
 //! | 1, 32 each | whether a round was interrupted, and its tallies |
@@ -90,7 +90,6 @@ impl Hybrid {
         }
         bytes.extend((self.tallies.len() as u64).to_le_bytes());
         bytes.extend(self.rays.first.to_le_bytes());
-        bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.rays.unit.to_le_bytes());
         bytes.extend(self.rays.full.to_le_bytes());
         bytes.extend([u8::from(self.started), u8::from(self.choice == Choice::Evenly)]);
@@ -164,8 +163,7 @@ impl Hybrid {
             return Err(damaged("its size is not that of the image"));
         }
         self.rays.first = u32::from_le_bytes(rest.array()?);
-        self.step = u32::from_le_bytes(rest.array()?);
-        if ![1, FULL].contains(&self.rays.first) || !(self.step == 0 || self.step.is_power_of_two()) {
+        if ![1, FULL].contains(&self.rays.first) {
             return Err(damaged("its lattice is none that there is"));
         }
         self.rays.unit = f32::from_le_bytes(rest.array()?);

@@ -1,7 +1,6 @@
 //! What the rays of each pixel found, and how far that can be trusted.
 
 use conray_core::Vec3;
-use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// Rays of a unit, in which rays are given out: an aligned block of a point's sequence.
 pub(super) const UNIT: u32 = 16;
@@ -78,18 +77,17 @@ impl Rays {
         (self.unit * tally.in_units + fulls) / tally.units.max(1) as f32
     }
 
-    /// Where all rays agree, one in a hundred units may still hold one ray that does not.
+    /// Squared error of what one unit does not see: of many units whose rays all agree, one in 25 holds another ray.
     pub(super) const UNSEEN: f32 = 0.04 / (UNIT * UNIT) as f32;
+
+    /// The same of so many units: what none of their rays meets is as small as they are many.
+    pub(super) fn unseen(units: u32) -> f32 {
+        Self::UNSEEN / (units as f32 * units as f32)
+    }
 
     /// Variance of the mean of so many units.
     pub(super) fn variance(unit_variance: f32, units: u32) -> f32 {
-        (unit_variance + Self::UNSEEN) / worth(units)
-    }
-
-    /// That of one, for sixteen points at a time.
-    #[inline(always)]
-    pub(super) fn units<S: Simd>(simd: S, unit_variance: f32x16<S>) -> f32x16<S> {
-        unit_variance + f32x16::splat(simd, Self::UNSEEN)
+        unit_variance / worth(units) + Self::unseen(units)
     }
 
     /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.

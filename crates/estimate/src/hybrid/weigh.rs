@@ -20,7 +20,10 @@ pub(super) const SIZES: usize = 5;
 /// Sizes over whose cells errors are looked at before single pixels, the widest last.
 const ERROR_SIZES: [usize; 2] = [2, 4];
 /// Squared error of saying one half where nothing is known.
-pub(super) const UNKNOWN: f32 = 0.05;
+const UNKNOWN: f32 = 0.05;
+/// Guesses of many pixels err to the same side, rays do not: from so many units of rays on a guess counts for half as much as its
+/// expected squared error says, so that the mean of all pixels soon is right too.
+const DOUBT_UNITS: f32 = 96.0;
 /// The least that a guess can err: the noise of its neighbours' rays alone, which are a little better together than apart.
 const LEAST_NOISE: f32 = 0.7;
 
@@ -128,7 +131,7 @@ fn sixteen<S: Simd>(
     for (told, window) in witnesses.told.iter().zip(windows).rev() {
         local.refine(simd, pixels, told, window, at, usable.sizes.clone());
     }
-    let unit = Rays::units(simd, local.unit_variance);
+    let unit = local.unit_variance;
     let least = splat(LEAST_NOISE) * unit;
     let (mut weights, mut value, mut error2) = (zero, zero, zero);
     for size in usable.sizes {
@@ -137,7 +140,7 @@ fn sixteen<S: Simd>(
         let used = formal.simd_lt(splat(f32::MAX))
             & usable.first.simd_le(splat(size as f32))
             & usable.first.simd_ge(splat(size as f32 - 1.0));
-        let expected = formal * local.factors[size].max(least);
+        let expected = formal * local.factors[size].max(least) + splat(Rays::UNSEEN) * formal * formal;
         // Both see the same neighbours, so that their mean is no better than they are; the better one counts more.
         let weight = used.select(one / (expected * expected), zero);
         weights += weight;
@@ -146,15 +149,20 @@ fn sixteen<S: Simd>(
     }
     let some = weights.simd_gt(zero);
     let guess = some.select(value / weights, splat(0.5));
-    let guess_error2 = some.select((error2 / weights).min(splat(UNKNOWN)), splat(UNKNOWN));
+    let found_error2 = some.select(error2 / weights, splat(UNKNOWN));
+    let guess_error2 = found_error2.min(splat(UNKNOWN));
     let worth = f32x16::from_slice(simd, &columns.worth[at..at + LANES]);
     let mean = f32x16::from_slice(simd, &columns.mean[at..at + LANES]);
+    let unseen = f32x16::from_slice(simd, &columns.unseen[at..at + LANES]);
     let sampled = worth.simd_gt(zero);
-    let own_error2 = sampled.select(unit / worth, one);
-    let both = own_error2 + guess_error2;
-    let share = sampled.select(guess_error2 / both, zero);
-    let value = guess + (mean - guess) * share;
-    let error2 = sampled.select(own_error2 * share, guess_error2);
+    let own_error2 = sampled.select(unit / worth + unseen, one);
+    let units = (splat(Rays::UNSEEN) / unseen.max(splat(f32::MIN_POSITIVE))).sqrt();
+    let doubted = found_error2 * (one + units * splat(1.0 / DOUBT_UNITS));
+    // One half is said of what nothing is known of, and no rays are pulled there.
+    let share = sampled.select(some.select(doubted / (own_error2 + doubted), one), zero);
+    let rest = one - share;
+    let value = (guess + (mean - guess) * share).max(zero).min(one);
+    let error2 = sampled.select(own_error2 * share * share + guess_error2 * rest * rest, guess_error2);
     for (out, found) in out.iter_mut().zip([value, error2, guess_error2, local.unit_variance]) {
         found.store_slice(&mut out[x..x + LANES]);
     }
