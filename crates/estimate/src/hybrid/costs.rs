@@ -16,7 +16,7 @@ const TIMED_OF: u64 = 32;
 const POINTS_A_THREAD: usize = 32;
 /// Of how many points one is asked to find out what answering takes.
 const ANSWER_OF: usize = 31;
-/// Seconds that one thread needs to weigh a pixel and answer for it, before it was timed: about what it takes on two cores of 2024.
+/// Seconds that one thread needs to weigh a pixel and answer for it, before it was timed: 20 ms for 512 x 512 on two threads.
 const WEIGHING_GUESS: f64 = 1.5e-7;
 
 /// What was timed so far.

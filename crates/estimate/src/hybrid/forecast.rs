@@ -11,7 +11,7 @@ use crate::Choice;
 /// Rays a point before anything is known of the error: a first look, of which the lattice gets a quarter.
 const FIRST_LOOK: f64 = 4.0;
 /// The expected error falls as rays to the power of minus this, until rounds tell; and the range in which they are believed.
-/// Measured between rounds: 0.4 to 0.7 on the built-in scenes.
+/// About what the table of docs/method.md shows between its columns.
 const POWER: f64 = 0.5;
 const POWERS: [f64; 2] = [0.4, 0.7];
 /// A round aims a little below the error, so that it need not be followed by a tiny one.

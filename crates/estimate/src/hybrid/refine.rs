@@ -15,6 +15,9 @@ const EARLY: u64 = 8;
 /// A round costs some time of its own: none for less than one part in so many.
 const WORTHWHILE: u64 = 50;
 
+/// Orders that a thread carries out before it looks at the clock: stopping is quick, and looking costs little.
+const CHUNK: usize = 64;
+
 /// All that a round needs besides the work so far.
 pub(super) struct Work<'a> {
     pub(super) plan: &'a AoPlan,
@@ -157,21 +160,27 @@ impl Hybrid {
         let done_before = std::mem::take(&mut self.unfinished);
         let (before, all) = (self.rays_of_rounds(), self.foreseen * self.covered as f64);
         let (traced, control) = (AtomicU64::new(0), work.meter.control);
-        let one = |order: &Order| {
-            match done_before.get(order.at as usize) {
-                Some(done) if done.units == order.units => return *done,
-                _ if control.is_cancelled() || work.meter.elapsed() > until => return Tally::default(),
-                _ => {}
+        let mut found = vec![Tally::default(); orders.len()];
+        let chunks = orders.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK));
+        chunks.for_each(|(orders, found)| {
+            let stop = control.is_cancelled() || (until < f64::INFINITY && work.meter.elapsed() > until);
+            let mut new = 0;
+            for (order, found) in orders.iter().zip(found) {
+                let at = order.at as usize;
+                match done_before.get(at) {
+                    Some(done) if done.units == order.units => *found = *done,
+                    _ if stop => {}
+                    _ => {
+                        let (point, had) = (self.pixels.point[at] as usize, self.tallies[at].units);
+                        let units = had..had + order.units;
+                        *found = bundles::trace(work.plan, work.bvh, &work.points[point], units, 0);
+                        new += u64::from(order.units * UNIT);
+                    }
+                }
             }
-            let (point, had) = (self.pixels.point[order.at as usize], self.tallies[order.at as usize].units);
-            let point = &work.points[point as usize];
-            let found = bundles::trace(work.plan, work.bvh, point, had..had + order.units, 0);
-            let new = u64::from(order.units * UNIT);
             let traced = new + traced.fetch_add(new, Ordering::Relaxed);
             work.meter.at((before + traced) as f64 / all);
-            found
-        };
-        let found: Vec<Tally> = orders.par_iter().with_min_len(64).map(one).collect();
+        });
         let traced = traced.into_inner();
         if traced > 0 {
             self.costs.ray_seconds = Some(start.elapsed().as_secs_f64() / traced as f64);

@@ -59,8 +59,8 @@ impl Hybrid {
     }
 
     /// Traces full bundles of other rays at some of the lattice's points: half the squared difference of two that are alike is their
-    /// variance. What holds of units and of full bundles then follows from each other, for eight times the variance is
-    /// expected of a unit.
+    /// variance. What holds of units and of full bundles then follows from each other, for it is known how much more
+    /// a full bundle is worth.
     fn pilot(&mut self, work: &Work<'_>, lattice: &[Order]) -> Rays {
         let first = self.rays.first;
         let pairs = PAIRS.min(lattice.len() * first as usize / PAIR_OF);

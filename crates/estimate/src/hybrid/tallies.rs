@@ -43,8 +43,9 @@ impl Tally {
 
 /// How rays err in a scene.
 ///
-/// The variance of the mean of `n` units is that of one over `n^3/2`: visibility jumps along curves in the square of directions, and
-/// there stratified points err so (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
+/// The variance of the mean of `n` units is that of one over `n^11/8`. Visibility jumps along curves in the square of directions, where
+/// stratified points err as `n^-3/2` (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996) once they are many; from 16
+/// to 256 rays a point, scenes of the study measure powers of 1.3 to 1.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rays {
     /// Variance of a unit over what rays that are independent in each of its cells would have.
@@ -55,13 +56,8 @@ pub(super) struct Rays {
     pub(super) first: u32,
 }
 
-/// So much better is a full bundle than a unit.
-const FULL_WORTH: f32 = worth_of_full();
-
-const fn worth_of_full() -> f32 {
-    assert!(FULL == 4);
-    6.727_171
-}
+/// [`worth`] of a full bundle.
+const FULL_WORTH: f32 = 6.727_171;
 
 /// How many times the precision of one unit so many have.
 pub(super) fn worth(units: u32) -> f32 {
@@ -93,5 +89,34 @@ impl Rays {
     /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.
     pub(super) fn enough(&self) -> f32 {
         0.5 / worth(self.first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_rays_are_worth_more_than_as_many_independent_ones() {
+        assert!((worth(FULL) - FULL_WORTH).abs() < 1e-5);
+        assert_eq!((worth(0), worth(1)), (0.0, 1.0));
+        for units in 1..1000 {
+            let expected = f64::from(units).powf(1.375);
+            assert!((f64::from(worth(units)) / expected - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_unit_and_a_full_bundle_that_err_alike_tell_the_same_variance() {
+        let rays = Rays { unit: 0.5, full: 0.25, first: 1 };
+        let unit = Tally { units: 1, in_units: 0.01, ..Tally::default() };
+        // The variance of its mean is that of a unit over what it is worth.
+        let in_fulls = 0.5 * 0.01 / (FULL_WORTH * 0.25);
+        let full = Tally { units: FULL, fulls: 1, in_fulls, ..Tally::default() };
+        let mut both = unit;
+        both.merge(&full);
+        for tally in [unit, full, both] {
+            assert!((rays.unit_variance(&tally) - 0.005).abs() < 1e-8, "{tally:?}");
+        }
     }
 }

@@ -54,13 +54,13 @@ pub(super) fn figures(album: &mut Album<'_>) -> Vec<Figure> {
     figures
 }
 
-/// Expected and true error of blend and rays side by side.
+/// Expected and true error of rays, the hybrid and the blend side by side.
 fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
     let evidence = album.evidence;
-    let rays = evidence.trials_of("rays").nth(evidence.trials_of("rays").count() / 2)?;
+    let middle = |method| evidence.trials_of(method).nth(evidence.trials_of(method).count() / 2);
     let blend = evidence.trial("paper", 1);
     let mut panels = Vec::new();
-    for (stem, trial) in [("rays", Some(rays)), ("paper", blend)] {
+    for (stem, trial) in [("rays", middle("rays")), ("hybrid", middle("hybrid")), ("paper", blend)] {
         let Some(trial) = trial else { continue };
         let Some(expected) = &trial.answer.expected_error else { continue };
         let actual: Vec<f32> = trial
@@ -71,7 +71,7 @@ fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
             .map(|(v, t)| (v - t).abs())
             .collect();
         let most = scale(expected).max(scale(&actual));
-        let label = format!("{stem}, {}, 0 to {most:.2}", trial.effort.label);
+        let label = format!("{stem}, {}, 0 to {most}", trial.effort.label);
         panels.push(album.heat(
             &format!("{stem}-expected"),
             format!("{label}: expected error"),
@@ -82,13 +82,14 @@ fn error_maps(album: &mut Album<'_>) -> Option<Figure> {
     }
     let caption = "Expected and true absolute error, dark is none. The expected error is a standard deviation, \
                    so the true one scatters about it; where it stays dark and the truth is bright, the method does not know that it is wrong.";
-    Some(gallery("error-maps", "Error maps", panels, caption.into()))
+    (!panels.is_empty()).then(|| gallery("error-maps", "Error maps", panels, caption.into()))
 }
 
-/// The 95th percentile, rounded up to a hundredth: what is brighter is white.
+/// The 95th percentile, rounded up to a hundredth, or where it is small to a thousandth: what is brighter is white.
 fn scale(values: &[f32]) -> f32 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f32::total_cmp);
     let high = sorted.get(sorted.len() * 95 / 100).copied().unwrap_or(0.0);
-    ((100.0 * high).ceil() / 100.0).clamp(0.01, 1.0)
+    let steps = if high > 0.02 { 100.0 } else { 1000.0 };
+    ((steps * high).ceil() / steps).clamp(0.001, 1.0)
 }
