@@ -8,8 +8,8 @@ use super::{
 };
 use crate::Choice;
 
-/// Rays a point before anything is known of the error: a first look, of which the lattice gets a quarter.
-const FIRST_LOOK: f64 = 4.0;
+/// Rays a point before anything is known of the error: a first look, which is a lattice.
+const FIRST_LOOK: f64 = 1.0;
 /// The expected error falls as rays to the power of minus this, until rounds tell; and the range in which they are believed.
 /// About what the table of docs/method.md shows between its columns.
 const POWER: f64 = 0.5;

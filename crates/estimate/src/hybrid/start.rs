@@ -7,15 +7,17 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// Share of the rays that the lattice gets.
+/// Share of the rays that the lattice gets;
 const FIRST_SHARE: f64 = 0.25;
+/// all of so few rays a point: another weighing would take the time of more than they are.
+const FEW: f64 = 8.0;
 /// Most pixels between points of the lattice, as a power of two.
 const WIDEST: f64 = 4.0;
 /// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
 pub(super) const MANY: f64 = 48.0;
 /// Points that are traced again at most, and for how many units of the lattice one is.
 const PAIRS: usize = 2048;
-const PAIR_OF: usize = 32;
+const PAIR_OF: usize = 128;
 /// Least ratio between what holds of units and of full bundles: as if visibility jumped nowhere.
 const LEAST_RATIO: f64 = 0.1;
 /// Variance over that of independent rays in each cell, before any pair: about what scenes have.
@@ -42,7 +44,8 @@ impl Hybrid {
         if first != self.rays.first {
             self.unfinished.clear();
         }
-        let area = f64::from(first * UNIT) / (FIRST_SHARE * rays_per_point.max(f64::MIN_POSITIVE));
+        let share = if rays_per_point < FEW { 1.0 } else { FIRST_SHARE };
+        let area = f64::from(first * UNIT) / (share * rays_per_point.max(f64::MIN_POSITIVE));
         let step = 1 << (0.5 * area.log2()).ceil().clamp(0.0, WIDEST) as usize;
         let pixels = &self.pixels;
         let in_lattice = |&&at: &&u32| {
