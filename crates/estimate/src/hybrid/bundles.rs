@@ -112,7 +112,6 @@ fn summed(rays: &PointRays<'_>, batch: &Batch, count: u32) -> Tally {
         ..Tally::default()
     };
     if count == FULL {
-        tally.fulls = 1;
         tally.in_fulls = within_cells(&batch.cells, &batch.visible);
     } else {
         let unit = UNIT as usize;

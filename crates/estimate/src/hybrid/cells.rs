@@ -3,7 +3,11 @@
 //! A cell stands for one surface: of what lies in it, only what is like its best-known part is merged. It stands at the mean
 //! place of its parts, weighted as their values are, so that values that change linearly stay so.
 
-use super::{columns::Columns, pixels::Pixels, window::Grid};
+use super::{
+    columns::{Columns, in_parts},
+    pixels::Pixels,
+    window::Grid,
+};
 use conray_core::{LANES, Vec3};
 use rayon::prelude::*;
 
@@ -93,7 +97,7 @@ impl Cells {
         self.stride = self.width.next_multiple_of(LANES);
         let count = self.stride * self.height;
         self.channels.iter_mut().for_each(|channel| channel.resize(count, 0.0));
-        let rows = super::columns::in_parts(&mut self.channels, self.stride);
+        let rows = in_parts(&mut self.channels, self.stride);
         let widest = widest.par_chunks_mut((pixels.stride << size).max(1));
         rows.into_par_iter().zip(widest).enumerate().with_min_len(4).for_each(|(y, (mut out, widest))| {
             for x in 0..self.width {

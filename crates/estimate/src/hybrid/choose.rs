@@ -3,7 +3,7 @@
 use super::{
     pixels::Pixels,
     tallies::{FULL, Rays, Tally},
-    weigh::{Known, together},
+    weigh::Known,
 };
 use rayon::prelude::*;
 
@@ -32,7 +32,7 @@ struct Candidate {
     units: [u32; 2],
 }
 
-/// Orders for `budget` units in all, or a few less; in the order of the points, whose neighbours then share what they meet.
+/// Orders for `budget` units more than the `had` so far, or a few less; in the order of the points, whose neighbours then share what they meet.
 ///
 /// Neyman's rule, in steps: rays go where they lower the expected squared error most for their time. Steps double what
 /// a point has, since sequences are best at powers of two, or make a full bundle of it. Errors are only estimates, so no point is
@@ -41,11 +41,11 @@ pub(super) fn choose(
     pixels: &Pixels,
     tallies: &[Tally],
     known: &Known,
-    lattice: u32,
+    rays: &Rays,
+    had: u64,
     budget: u64,
 ) -> Vec<Order> {
-    let points = pixels.place_of.len().max(1);
-    let had: u64 = tallies.iter().map(|t| u64::from(t.units)).sum();
+    let (points, lattice) = (pixels.place_of.len().max(1), rays.first);
     let least = (LEAST_SHARE * had as f64 / (points as f64 * f64::from(lattice))) as u32 * lattice;
     let candidate = |at: usize| {
         if pixels.is_covered(at) {
@@ -93,6 +93,11 @@ fn candidate(known: &Known, at: usize, had: u32, lattice: u32, least: u32, dithe
     };
     let must = if had < least { f32::INFINITY } else { 0.0 };
     Candidate { gains: [gains[0].max(must), gains[1].max(0.0)].map(f32::to_bits), units }
+}
+
+/// Expected squared error of the mean of two, weighted by their own.
+fn together(a: f32, b: f32) -> f32 {
+    if b == f32::INFINITY { a } else { a * b / (a + b) }
 }
 
 /// Time that tracing so many units at one point takes, in that of a full bundle.

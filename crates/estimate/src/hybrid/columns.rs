@@ -21,7 +21,7 @@ pub(super) struct Columns {
     pub(super) unit_variance: Vec<f32>,
     /// 1 where there are rays.
     pub(super) sampled: Vec<f32>,
-    /// Mean variance of one unit.
+    /// Mean squared error of one unit, with what it does not see.
     pub(super) unit: f32,
 }
 
@@ -45,7 +45,7 @@ impl Columns {
             for (k, tally) in tallies.iter().enumerate() {
                 let some = tally.units > 0;
                 let unit_variance = rays.unit_variance(tally);
-                out[0][k] = worth(tally.units);
+                out[0][k] = worth(tally.units as f32);
                 out[1][k] = tally.mean();
                 out[2][k] = if some { Rays::variance(unit_variance, tally.units) } else { 0.0 };
                 out[3][k] = unit_variance;

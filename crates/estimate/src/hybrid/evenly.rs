@@ -1,8 +1,9 @@
 //! The same number of rays at every point, each answered by its own: where weighing costs more time than it saves.
 
 use super::{
-    Hybrid, Order,
+    Hybrid, NO_POINT, Order,
     refine::Work,
+    shown,
     tallies::{Rays, UNIT},
 };
 
@@ -13,7 +14,7 @@ impl Hybrid {
     /// Brings all points to as many units as foreseen, step by step; false where nothing was left to do.
     pub(super) fn level(&mut self, work: &Work<'_>, until: f64) -> bool {
         let goal = (self.foreseen / f64::from(UNIT)) as u32;
-        let covered = || self.pixels.place_of.iter().filter(|&&at| at != super::NO_POINT);
+        let covered = || self.pixels.place_of.iter().filter(|&&at| at != NO_POINT);
         let least = covered().map(|&at| self.tallies[at as usize].units).min().unwrap_or(0);
         let next = goal.min((GROWTH * least).max(self.rays.first));
         let missing = |&at: &u32| {
@@ -31,7 +32,7 @@ impl Hybrid {
 
     /// What each point's own rays tell; what neighbours said stays where it has none.
     fn know_by_own_rays(&mut self) {
-        let tallies = self.shown().into_owned();
+        let tallies = shown(&self.tallies, &self.unfinished);
         for (at, tally) in tallies.iter().enumerate().filter(|(_, tally)| tally.units > 0) {
             // The variance of few units is itself uncertain: that of like neighbours counts for one more.
             let (units, own) = (tally.units as f32, self.rays.unit_variance(tally));

@@ -4,7 +4,7 @@ use super::{
     Hybrid,
     refine::Work,
     start::{MANY, first_units},
-    tallies::{FULL, Rays, UNIT},
+    tallies::{FULL, UNIT, worth},
 };
 use crate::Choice;
 
@@ -86,23 +86,72 @@ impl Hybrid {
 
     /// Compares what the time left is worth: pooled rays less two weighings, or even rays. Once a lattice was weighed.
     pub(super) fn choose_method(&mut self, work: &Work<'_>) {
-        let unit = f64::from(self.rays.first * UNIT);
         let (Some(ray), Some(weighing)) = (self.costs.ray_seconds, self.costs.weighing_seconds) else {
             return;
         };
-        let answers = self.costs.answer_seconds.unwrap_or(0.0);
-        let (now, known) = (self.rays_per_point(), self.expected_rmse());
-        let bundle = f64::from(Rays::variance(self.weigher.unit_variance(), self.rays.first));
+        let left = work.meter.left() - self.costs.answer_seconds.unwrap_or(0.0);
         let rays_in = |seconds: f64| seconds.max(0.0) / (ray * self.covered.max(1) as f64);
-        let even_rays = rays_in(work.meter.left() - answers);
-        let pooled_rays = now + rays_in(work.meter.left() - answers - 2.0 * weighing);
-        // Own rays as `Rays::variance` has it; fewer than a bundle a point is nothing to share out evenly.
-        let own = |rays: f64| if rays < unit { f64::INFINITY } else { bundle * (unit / rays).powf(1.5) };
-        let guess = known * known * (now / pooled_rays).powf(GUESS_POWER);
-        let (even, pooled) = (own(even_rays), 1.0 / (1.0 / guess + 1.0 / own(pooled_rays)));
+        let now = self.rays_per_point();
+        let outlook = Outlook {
+            error2: self.expected_rmse().powi(2),
+            unit: self.weigher.mean_unit(),
+            first: self.rays.first,
+            now,
+            even: rays_in(left),
+            pooled: now + rays_in(left - 2.0 * weighing),
+        };
+        let [pooled, even] = outlook.squared_errors();
         self.foreseen_rmse = Some([pooled.sqrt(), even.sqrt()]);
         if even < pooled {
             self.choice = Choice::Evenly;
         }
+    }
+}
+
+/// Two ways on from a lattice that was weighed, in rays a point.
+struct Outlook {
+    /// Expected squared error as weighed.
+    error2: f64,
+    /// Squared error of one unit of rays.
+    unit: f32,
+    /// Units of a point of the lattice.
+    first: u32,
+    /// Rays so far.
+    now: f64,
+    /// Rays in the time left, shared out evenly.
+    even: f64,
+    /// Rays with those so far in the time left, less two weighings.
+    pooled: f64,
+}
+
+impl Outlook {
+    /// Foreseen for pooled and for even rays; fewer even ones than points of the lattice have are nothing to share out.
+    fn squared_errors(&self) -> [f64; 2] {
+        let own = |rays: f64| {
+            let units = rays / f64::from(UNIT);
+            let enough = units >= f64::from(self.first);
+            if enough { f64::from(self.unit / worth(units as f32)) } else { f64::INFINITY }
+        };
+        let guess = self.error2 * (self.now / self.pooled).powf(GUESS_POWER);
+        [1.0 / (1.0 / guess + 1.0 / own(self.pooled)), own(self.even)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_rays_are_chosen_where_weighing_takes_what_they_give() {
+        let outlook = |even, pooled| Outlook { error2: 1e-3, unit: 1e-3, first: 1, now: 4.0, even, pooled };
+        // As many either way: neighbours are for nothing.
+        let [pooled, even] = outlook(256.0, 256.0).squared_errors();
+        assert!(pooled < even && even.is_finite());
+        // Two weighings take almost all of the time.
+        let [pooled, even] = outlook(256.0, 8.0).squared_errors();
+        assert!(even < pooled);
+        // Even rays err as their number says, and too few are none.
+        assert!((outlook(64.0, 8.0).squared_errors()[1] / f64::from(1e-3 / worth(4.0)) - 1.0).abs() < 1e-6);
+        assert_eq!(outlook(8.0, 8.0).squared_errors()[1], f64::INFINITY);
     }
 }

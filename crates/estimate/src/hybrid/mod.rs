@@ -4,8 +4,8 @@
 //! start.rs: a lattice of points gets a bundle of rays each ----> Tally of each pixel (bundles.rs, tallies.rs)
 //!    ^                                                                |
 //!    |            cells.rs: tallies of like neighbours merged  <------+
-//!    |            regress.rs: two guesses from the neighbours, a pixel's own rays left out
-//!    |            residuals.rs: how wrong such guesses are, found where rays tell
+//!    |            guesses.rs, regress.rs: two guesses from the neighbours, a pixel's own rays left out
+//!    |            told.rs, residuals.rs: how wrong such guesses are, found where rays tell
 //!    |            weigh.rs: guess and own rays, weighed ----> Known: visibility, expected error
 //!    +---- choose.rs: more bundles where they lower the error most <--+
 //! ```
@@ -24,6 +24,7 @@ mod columns;
 mod costs;
 mod evenly;
 mod forecast;
+mod guesses;
 mod likeness;
 mod pixels;
 mod refine;
@@ -32,6 +33,7 @@ mod residuals;
 mod start;
 mod state;
 mod tallies;
+mod told;
 mod weigh;
 mod window;
 
@@ -56,6 +58,8 @@ pub struct Hybrid {
     covered: u64,
     /// Of whole rounds.
     tallies: Vec<Tally>,
+    /// Units of rays in them: summed once, not at every question.
+    units: u64,
     /// What an interrupted round found, one a place; empty where there was none.
     unfinished: Vec<Tally>,
     rays: Rays,
@@ -80,6 +84,7 @@ impl Hybrid {
         Self {
             covered: pixels.place_of.iter().filter(|&&at| at != NO_POINT).count() as u64,
             tallies: vec![Tally::default(); pixels.len()],
+            units: 0,
             unfinished: Vec::new(),
             rays: start::unknown(1),
             started: false,
@@ -97,14 +102,12 @@ impl Hybrid {
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
-        let units: u64 = self.unfinished.iter().map(|t| u64::from(t.units)).sum();
-        self.rays_of_rounds() + units * u64::from(UNIT)
+        self.rays_of_rounds() + units_in(&self.unfinished) * u64::from(UNIT)
     }
 
     /// Those of whole rounds and pilots.
     fn rays_of_rounds(&self) -> u64 {
-        let units: u64 = self.tallies.iter().map(|t| u64::from(t.units)).sum();
-        units * u64::from(UNIT) + self.pilot_rays
+        self.units * u64::from(UNIT) + self.pilot_rays
     }
 
     /// Expected root mean square error over all points; infinite before the first rays.
@@ -129,23 +132,11 @@ impl Hybrid {
         }
     }
 
-    /// What all rays found, those of an interrupted round too.
-    fn shown(&self) -> Cow<'_, [Tally]> {
-        if self.unfinished.is_empty() {
-            return Cow::Borrowed(&self.tallies);
-        }
-        let mut all = self.tallies.clone();
-        all.iter_mut().zip(&self.unfinished).for_each(|(all, more)| all.merge(more));
-        Cow::Owned(all)
-    }
-
     /// Weighs all that is shown.
     fn weigh(&mut self, level: Level) {
         let start = Instant::now();
-        let mut weigher = std::mem::take(&mut self.weigher);
-        let mut known = std::mem::take(&mut self.known);
-        weigher.weigh(level, &self.pixels, &self.shown(), &self.rays, &mut known);
-        (self.weigher, self.known) = (weigher, known);
+        let shown = shown(&self.tallies, &self.unfinished);
+        self.weigher.weigh(level, &self.pixels, &shown, &self.rays, &mut self.known);
         self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
     }
 
@@ -156,7 +147,7 @@ impl Hybrid {
 
     /// Those of every so manieth point.
     fn estimates_of(&self, every: usize) -> Vec<Estimate> {
-        let tallies = self.shown();
+        let tallies = shown(&self.tallies, &self.unfinished);
         let one = |&at: &u32| {
             if at == NO_POINT {
                 return INVALID;
@@ -174,4 +165,19 @@ impl Hybrid {
         };
         self.pixels.place_of.par_iter().step_by(every).with_min_len((1 << 12) / every).map(one).collect()
     }
+}
+
+/// What all rays found, those of an interrupted round too.
+fn shown<'a>(tallies: &'a [Tally], unfinished: &[Tally]) -> Cow<'a, [Tally]> {
+    if unfinished.is_empty() {
+        return Cow::Borrowed(tallies);
+    }
+    let mut all = tallies.to_vec();
+    all.iter_mut().zip(unfinished).for_each(|(all, more)| all.merge(more));
+    Cow::Owned(all)
+}
+
+/// Units of rays in all of them.
+fn units_in(tallies: &[Tally]) -> u64 {
+    tallies.iter().map(|tally| u64::from(tally.units)).sum()
 }

@@ -10,7 +10,7 @@ use std::{
     time::Instant,
 };
 
-/// Below a bundle for so many points it is early.
+/// Below a unit of rays for so many points it is early.
 const EARLY: u64 = 8;
 /// A round costs some time of its own: none for less than one part in so many.
 const WORTHWHILE: u64 = 50;
@@ -27,7 +27,7 @@ pub(super) struct Work<'a> {
     pub(super) meter: &'a Meter<'a>,
 }
 
-/// Bundles of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
+/// Units of rays of the next round, of those left. Late rounds choose better, early ones cost more than their rays.
 fn this_round(had: u64, left: u64, points: u64) -> u64 {
     let much = if EARLY * had < points { 4 * had } else { 2 * had };
     if left > much { had.max(left.div_ceil(3)) } else { left }
@@ -99,8 +99,8 @@ impl Hybrid {
         if self.started {
             self.pilot_rays = self.rays_of_rounds();
             self.tallies.fill(Tally::default());
+            self.units = 0;
             self.started = false;
-            self.known = super::Known::default();
         }
         self.start(work, self.foreseen);
         self.weigh(work.bvh.level());
@@ -132,7 +132,7 @@ impl Hybrid {
             // Another weighing would take more than it gives.
             now = left;
         }
-        let orders = choose::choose(&self.pixels, &self.tallies, &self.known, self.rays.first, now);
+        let orders = choose::choose(&self.pixels, &self.tallies, &self.known, &self.rays, self.units, now);
         if orders.is_empty() {
             return false;
         }
@@ -186,7 +186,9 @@ impl Hybrid {
             self.costs.ray_seconds = Some(start.elapsed().as_secs_f64() / traced as f64);
         }
         let whole = !control.is_cancelled() || found.iter().all(|found| found.units > 0);
-        if !whole {
+        if whole {
+            self.units += found.iter().map(|found| u64::from(found.units)).sum::<u64>();
+        } else {
             self.unfinished = vec![Tally::default(); self.pixels.len()];
         }
         let kept = if whole { &mut self.tallies } else { &mut self.unfinished };

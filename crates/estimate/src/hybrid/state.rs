@@ -8,19 +8,19 @@
 //! | 8 | places |
 //! | 4, 4, 4, 1, 1, 8 | units of the lattice, how units and bundles err, started, evenly, rays in no tally |
 //! | 8 + 24 n | rounds: rays a point, expected RMSE, seconds |
-//! | 32 each | tallies: units, full bundles, sum, two variances, open direction |
-//! | 1, 32 each | whether a round was interrupted, and its tallies |
+//! | 28 each | tallies: units, sum, two variances, open direction |
+//! | 1, 28 each | whether a round was interrupted, and its tallies |
 //! | 16 | XXH3 checksum, 128 bits, of all bytes before it |
 //!
 //! All numbers are little-endian. No length in the file is believed: the points say how long it is.
 
-use super::{
-    Hybrid,
-    tallies::{FULL, Tally},
-};
+mod bytes;
+
+use super::{Hybrid, tallies::FULL, units_in};
 use crate::{AoPlan, Choice, Round};
+use bytes::{Cursor, TALLY_BYTES, put};
 use conray_bvh::Level;
-use conray_core::{Feed, Fingerprint, SurfacePoint, Vec3};
+use conray_core::{Feed, Fingerprint, SurfacePoint};
 use std::io::{self, Write};
 use thiserror::Error;
 use twox_hash::XxHash3_128;
@@ -29,7 +29,6 @@ const MAGIC: &[u8; 8] = b"conrayhy";
 /// Raised whenever the layout changes.
 const VERSION: u32 = 1;
 const CHECKSUM_BYTES: usize = 16;
-const TALLY_BYTES: usize = 32;
 const ROUND_BYTES: usize = 24;
 /// More rounds than any work takes.
 const MOST_ROUNDS: usize = 10_000;
@@ -136,7 +135,7 @@ impl Hybrid {
                 "it has version {version} where this program reads {VERSION}"
             )));
         }
-        let end = bytes.len().checked_sub(CHECKSUM_BYTES).ok_or_else(cut_short)?;
+        let end = bytes.len().checked_sub(CHECKSUM_BYTES).ok_or_else(bytes::cut_short)?;
         let (content, checksum) = bytes.split_at(end);
         if XxHash3_128::oneshot(content).to_le_bytes() != checksum {
             return Err(damaged("its checksum does not match: it is damaged or cut short"));
@@ -149,7 +148,7 @@ impl Hybrid {
             }
         }
         self.read(&mut rest)?;
-        if !rest.0.is_empty() {
+        if !rest.is_empty() {
             return Err(damaged("it goes on after its end"));
         }
         if self.rays_of_rounds() > 0 || !self.unfinished.is_empty() {
@@ -166,8 +165,11 @@ impl Hybrid {
         if ![1, FULL].contains(&self.rays.first) {
             return Err(damaged("its lattice is none that there is"));
         }
-        self.rays.unit = f32::from_le_bytes(rest.array()?);
-        self.rays.full = f32::from_le_bytes(rest.array()?);
+        let factors: [f32; 2] = [rest.array()?, rest.array()?].map(f32::from_le_bytes);
+        if factors.iter().any(|factor| !factor.is_finite() || *factor < 0.0) {
+            return Err(damaged("it says of rays what cannot be"));
+        }
+        [self.rays.unit, self.rays.full] = factors;
         let [started, evenly] = rest.array()?;
         self.started = started != 0;
         self.choice = if evenly == 0 { Choice::Hybrid } else { Choice::Evenly };
@@ -183,52 +185,9 @@ impl Hybrid {
         }
         let places = self.tallies.len();
         self.tallies = rest.tallies(places)?;
+        self.units = units_in(&self.tallies);
         let [interrupted] = rest.array()?;
         self.unfinished = if interrupted == 0 { Vec::new() } else { rest.tallies(places)? };
         Ok(())
-    }
-}
-
-fn put(bytes: &mut Vec<u8>, tallies: &[Tally]) {
-    for tally in tallies {
-        bytes.extend(tally.units.to_le_bytes());
-        bytes.extend(tally.fulls.to_le_bytes());
-        for value in [tally.sum, tally.in_units, tally.in_fulls, tally.bent.x, tally.bent.y, tally.bent.z] {
-            bytes.extend(value.to_le_bytes());
-        }
-    }
-}
-
-fn cut_short() -> StateError {
-    damaged("it is cut short")
-}
-
-/// What is left to read.
-struct Cursor<'a>(&'a [u8]);
-
-impl<'a> Cursor<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], StateError> {
-        let (taken, rest) = self.0.split_at_checked(count).ok_or_else(cut_short)?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], StateError> {
-        let (taken, rest) = self.0.split_first_chunk().ok_or_else(cut_short)?;
-        self.0 = rest;
-        Ok(*taken)
-    }
-
-    fn tallies(&mut self, count: usize) -> Result<Vec<Tally>, StateError> {
-        let bytes = self.take(count.checked_mul(TALLY_BYTES).ok_or_else(cut_short)?)?;
-        let one = |bytes: &[u8; TALLY_BYTES]| {
-            let mut words = bytes.as_chunks::<4>().0.iter().copied();
-            let mut whole = || u32::from_le_bytes(words.next().unwrap_or_default());
-            let (units, fulls) = (whole(), whole());
-            let mut float = || f32::from_le_bytes(words.next().unwrap_or_default());
-            let (sum, in_units, in_fulls) = (float(), float(), float());
-            Tally { units, fulls, sum, in_units, in_fulls, bent: Vec3::new(float(), float(), float()) }
-        };
-        Ok(bytes.as_chunks().0.iter().map(one).collect())
     }
 }

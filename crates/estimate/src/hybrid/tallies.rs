@@ -12,8 +12,6 @@ pub(super) const FULL: u32 = conray_bvh::BUNDLE_RAYS as u32 / UNIT;
 pub(super) struct Tally {
     /// Units traced.
     pub(super) units: u32,
-    /// Full bundles among them.
-    pub(super) fulls: u32,
     /// Sum over units of the mean visibility.
     pub(super) sum: f32,
     /// Sum over units outside full bundles of the variance of the mean, as if their rays were independent within each of 2 x 2
@@ -33,7 +31,6 @@ impl Tally {
 
     pub(super) fn merge(&mut self, other: &Self) {
         self.units += other.units;
-        self.fulls += other.fulls;
         self.sum += other.sum;
         self.in_units += other.in_units;
         self.in_fulls += other.in_fulls;
@@ -60,8 +57,7 @@ pub(super) struct Rays {
 const FULL_WORTH: f32 = 6.727_171;
 
 /// How many times the precision of one unit so many have.
-pub(super) fn worth(units: u32) -> f32 {
-    let units = units as f32;
+pub(super) fn worth(units: f32) -> f32 {
     let fourth = units.sqrt().sqrt();
     units * fourth * fourth.sqrt()
 }
@@ -83,12 +79,12 @@ impl Rays {
 
     /// Variance of the mean of so many units.
     pub(super) fn variance(unit_variance: f32, units: u32) -> f32 {
-        unit_variance / worth(units) + Self::unseen(units)
+        unit_variance / worth(units as f32) + Self::unseen(units)
     }
 
     /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.
     pub(super) fn enough(&self) -> f32 {
-        0.5 / worth(self.first)
+        0.5 / worth(self.first as f32)
     }
 }
 
@@ -98,11 +94,11 @@ mod tests {
 
     #[test]
     fn more_rays_are_worth_more_than_as_many_independent_ones() {
-        assert!((worth(FULL) - FULL_WORTH).abs() < 1e-5);
-        assert_eq!((worth(0), worth(1)), (0.0, 1.0));
+        assert!((worth(FULL as f32) - FULL_WORTH).abs() < 1e-5);
+        assert_eq!((worth(0.0), worth(1.0)), (0.0, 1.0));
         for units in 1..1000 {
             let expected = f64::from(units).powf(1.375);
-            assert!((f64::from(worth(units)) / expected - 1.0).abs() < 1e-5);
+            assert!((f64::from(worth(units as f32)) / expected - 1.0).abs() < 1e-5);
         }
     }
 
@@ -112,7 +108,7 @@ mod tests {
         let unit = Tally { units: 1, in_units: 0.01, ..Tally::default() };
         // The variance of its mean is that of a unit over what it is worth.
         let in_fulls = 0.5 * 0.01 / (FULL_WORTH * 0.25);
-        let full = Tally { units: FULL, fulls: 1, in_fulls, ..Tally::default() };
+        let full = Tally { units: FULL, in_fulls, ..Tally::default() };
         let mut both = unit;
         both.merge(&full);
         for tally in [unit, full, both] {

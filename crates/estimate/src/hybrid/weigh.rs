@@ -3,10 +3,11 @@
 use super::{
     cells::Pyramid,
     columns::{Columns, in_parts},
+    guesses::{Guess, Guesses},
     pixels::Pixels,
-    regress::{Guess, Guesses},
-    residuals::{Everywhere, Local, Sums, Told},
+    residuals::Local,
     tallies::{Rays, Tally},
+    told::{Everywhere, Sums, Told},
     window::Window,
 };
 use conray_bvh::Level;
@@ -50,8 +51,8 @@ pub(super) struct Weigher {
 }
 
 impl Weigher {
-    /// Mean variance of one unit of rays, as last weighed.
-    pub(super) fn unit_variance(&self) -> f32 {
+    /// Mean squared error of one unit of rays, as last weighed.
+    pub(super) fn mean_unit(&self) -> f32 {
         self.columns.unit
     }
 
@@ -194,9 +195,4 @@ fn usable<S: Simd>(simd: S, guesses: &[Guess], least: f32, at: usize) -> Usable<
         high = high.max((first as usize + 2).min(guesses.len()));
     }
     Usable { first, sizes: low..high.max(low) }
-}
-
-/// Expected squared error of the mean of two, weighted by their own.
-pub(super) fn together(a: f32, b: f32) -> f32 {
-    if b == f32::INFINITY { a } else { a * b / (a + b) }
 }

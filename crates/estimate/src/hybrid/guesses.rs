@@ -1,0 +1,156 @@
+//! Who is guessed from cells of which size.
+//!
+//! Cells of the finest size that says enough make the first guess, those of the next size the second. More sizes to choose
+//! from gain nothing: the choice itself is noisy.
+
+use super::{
+    cells::{CHANNELS, Channels, Pyramid},
+    columns::{Columns, in_parts},
+    pixels::Pixels,
+    regress::{Fit, REACH, sixteen},
+    tallies::Rays,
+    weigh::SIZES,
+    window::{Grid, Window},
+};
+use conray_bvh::Level;
+use conray_core::LANES;
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+
+/// One of so many pixels is too few to look at another size for.
+const FEW: usize = 200;
+
+/// What cells of one size say of all pixels, and what the pixels' own rays say of that.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guess {
+    pub(super) value: Vec<f32>,
+    /// Formal variance, in that of one unit of rays; infinite where nothing like was found.
+    pub(super) formal: Vec<f32>,
+    /// Squared difference to what the pixel's own rays found, less their variance; 0 where there are none, or no guess.
+    pub(super) off: Vec<f32>,
+    /// The formal variance where that is told, else 0.
+    pub(super) over: Vec<f32>,
+}
+
+/// Guesses from one size after the other, the finest first, where a pixel can use them (see [`Rays::enough`]).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guesses {
+    all: Vec<Guess>,
+    /// The size from which each pixel knows enough.
+    enough: Vec<u8>,
+    sizes: usize,
+}
+
+impl Guesses {
+    /// Those of each size, as far as they are needed.
+    pub(super) fn of_sizes(&self) -> &[Guess] {
+        &self.all[..self.sizes]
+    }
+
+    /// Looks at what is known.
+    pub(super) fn make(
+        &mut self,
+        level: Level,
+        pixels: &Pixels,
+        columns: &Columns,
+        pyramid: &Pyramid,
+        rays: &Rays,
+    ) {
+        let enough = rays.enough();
+        self.enough.clear();
+        self.enough.resize(pixels.len(), u8::MAX);
+        self.sizes = 0;
+        let mut lacking = pixels.place_of.len();
+        for size in 0..SIZES {
+            if size > 1 && lacking * FEW < pixels.place_of.len() {
+                break;
+            }
+            if self.all.len() == size {
+                self.all.push(Guess::default());
+            }
+            let layer = Layer::new(pixels, columns, pyramid, enough, size, false);
+            lacking = self.all[size].make(level, &layer, &mut self.enough);
+            self.sizes = size + 1;
+        }
+        // Where no size says enough, whatever says anything counts.
+        for (size, guess) in self.all[..self.sizes - 1].iter_mut().enumerate() {
+            guess.make(level, &Layer::new(pixels, columns, pyramid, enough, size, true), &mut self.enough);
+        }
+    }
+}
+
+/// One size of cells, and what is known of the pixels.
+pub(super) struct Layer<'a> {
+    pub(super) pixels: &'a Pixels,
+    pub(super) columns: &'a Columns,
+    /// Cells have `1 << size` pixels a side.
+    pub(super) size: usize,
+    grid: Grid,
+    channels: Channels<'a>,
+    pub(super) widest: &'a [f32],
+    pub(super) fit: Fit,
+    /// Formal variance from which cells say enough.
+    pub(super) enough: f32,
+    /// A second look at pixels of which no size said enough.
+    pub(super) again: bool,
+}
+
+impl<'a> Layer<'a> {
+    fn new(
+        pixels: &'a Pixels,
+        columns: &'a Columns,
+        pyramid: &'a Pyramid,
+        enough: f32,
+        size: usize,
+        again: bool,
+    ) -> Self {
+        let (grid, channels) = pyramid.grid(pixels, columns, size);
+        let fit = Fit::new(columns.unit);
+        Self { pixels, columns, size, grid, channels, widest: &pyramid.widest, fit, enough, again }
+    }
+
+    /// True for a pixel that these cells are asked about.
+    fn is_wanted(&self, at: usize, enough: u8) -> bool {
+        let lacks = if self.again { enough == u8::MAX } else { usize::from(enough) + 1 >= self.size };
+        lacks && self.pixels.is_covered(at)
+    }
+}
+
+impl Guess {
+    /// Looks at cells of one size; tells how many pixels want the next.
+    fn make(&mut self, level: Level, layer: &Layer<'_>, enough: &mut [u8]) -> usize {
+        let (pixels, size) = (layer.pixels, layer.size);
+        let mut out = [&mut self.value, &mut self.formal, &mut self.off, &mut self.over];
+        out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
+        let rows = (pixels.stride << size).max(1);
+        let window = || Window::new(pixels.stride, size, REACH, CHANNELS);
+        let parts = in_parts(&mut out, rows).into_par_iter().zip(enough.par_chunks_mut(rows));
+        let lacking = parts.enumerate().map_init(window, |window, (row, (mut out, enough))| {
+            let (mut loaded, mut lacking) = (false, 0);
+            for x in (0..enough.len()).step_by(LANES) {
+                let (at, lanes) = (row * rows + x, x..x + LANES);
+                let mut told = layer.again;
+                if lanes.clone().any(|i| layer.is_wanted(row * rows + i, enough[i])) {
+                    if !loaded {
+                        window.load(&layer.grid, &layer.channels, row, size);
+                        loaded = true;
+                    }
+                    told |= dispatch!(level, simd => sixteen(simd, layer, window, at, x, &mut out));
+                }
+                if !told {
+                    out[1][lanes.clone()].fill(f32::INFINITY);
+                    out[2][lanes.clone()].fill(0.0);
+                    out[3][lanes.clone()].fill(0.0);
+                }
+                for i in lanes.filter(|i| pixels.is_covered(row * rows + i)) {
+                    if enough[i] == u8::MAX && out[1][i] <= layer.enough {
+                        enough[i] = size as u8;
+                    }
+                    lacking += usize::from(usize::from(enough[i]) >= size);
+                }
+            }
+            lacking
+        });
+        lacking.sum()
+    }
+}
