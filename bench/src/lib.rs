@@ -83,7 +83,7 @@ impl Bench {
         let truth_settings =
             AoSettings { method: Method::Rays, rays: Some(truth_rays), seed: 0x7eed, ..settings.clone() };
         session.set_plan(&truth_settings)?;
-        let truth = cached_truth(&name, &session, &target, &truth_settings)?;
+        let truth = cached_truth(&name, &session, &target, truth_rays)?;
         Ok(Self { name, session, target, truth })
     }
 
@@ -106,10 +106,10 @@ fn cached_truth(
     name: &str,
     session: &Session,
     target: &CameraTarget,
-    settings: &AoSettings,
+    truth_rays: u32,
 ) -> Result<Vec<f32>, Error> {
     let mut key = DefaultHasher::new();
-    format!("{settings:?} {:?}", session.plan().distance).hash(&mut key);
+    format!("{:?}", session.plan()).hash(&mut key);
     target
         .points()
         .iter()
@@ -120,7 +120,7 @@ fn cached_truth(
     {
         return Ok(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect());
     }
-    eprintln!("{name}: {:?} rays a point for the truth", settings.rays);
+    eprintln!("{name}: {truth_rays} rays a point for the truth");
     let truth: Vec<f32> = session.estimate(target.points())?.iter().map(|e| e.visibility).collect();
     let bytes: Vec<u8> = truth.iter().flat_map(|v| v.to_le_bytes()).collect();
     let kept = fs::create_dir_all("target/truth")

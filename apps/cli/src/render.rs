@@ -94,9 +94,10 @@ pub(crate) fn estimate<T: Target>(
     let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), PROGRESS_UNITS);
     let (plan, points) = (session.plan(), target.points());
     // What is kept belongs to this work or is refused, before any time is spent.
-    let kept = match (state, session.hybrid(plan, target)) {
-        (Some(path), Some(hybrid)) => Some((path, session.load(hybrid, plan, points, path)?)),
-        _ => None,
+    let begun = state.and_then(|path| Some((path, session.hybrid(plan, target)?)));
+    let kept = match begun {
+        Some((path, hybrid)) => Some((path, session.load(hybrid, plan, points, path)?)),
+        None => None,
     };
     reporter.event(Event::Started { stage });
     let progress = |work: usize| {

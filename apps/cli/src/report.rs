@@ -1,7 +1,7 @@
 //! What the program tells while it works and when it is done.
 
 use crate::explain;
-use conray::{AoPlan, AoSettings, BuildReport, Event, HARDLY_SEEN, Outcome, Stage, scene::Scene};
+use conray::{AoPlan, AoSettings, Budget, BuildReport, Event, Outcome, Stage, scene::Scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -185,9 +185,8 @@ pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, outcome: &Ou
 }
 
 /// The error that is to be reached, where there is one.
-fn target_error(settings: &AoSettings) -> Option<f32> {
-    let default = settings.rays.is_none() && settings.time.is_none();
-    settings.error.or(default.then_some(HARDLY_SEEN)).filter(|_| settings.method.has_budget())
+pub(crate) fn target_error(settings: &AoSettings) -> Option<f32> {
+    Budget::of(settings).error.filter(|_| settings.method.has_budget())
 }
 
 /// Mean visibility and expected error over the points that were reached.

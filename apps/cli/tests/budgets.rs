@@ -1,14 +1,17 @@
 //! Budgets of the program: what ends the work, what is told of it, and work kept in a file.
 
+mod support;
+
 use std::{
     fs,
-    process::{Command, Output, Stdio},
+    process::{Command, Output},
 };
+use support::{err, folder};
 use tempfile::TempDir;
 
 fn command(folder: &TempDir, words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_conray"));
-    command.current_dir(folder.path()).args(["render", "--size", "48x32"]).args(words);
+    let mut command = support::command(folder, &["render", "--size", "48x32"]);
+    command.args(words);
     command
 }
 
@@ -16,16 +19,13 @@ fn render(folder: &TempDir, words: &[&str]) -> Output {
     command(folder, words).output().unwrap()
 }
 
+/// All that it told.
 fn out(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+    support::out(output) + &err(output)
 }
 
 fn summary(output: &Output) -> serde_json::Value {
-    serde_json::from_str(String::from_utf8_lossy(&output.stdout).lines().last().unwrap()).unwrap()
-}
-
-fn folder() -> TempDir {
-    tempfile::tempdir().unwrap()
+    serde_json::from_str(support::out(output).lines().last().unwrap()).unwrap()
 }
 
 #[test]
@@ -86,16 +86,7 @@ fn interrupted_work_is_kept_and_ends_in_the_same_bytes() {
     // So many that it takes seconds, and yet ends.
     let words = ["atrium", "--rays", "2048", "--state", "work", "-o", "a.exr", "--json"];
     assert_eq!(render(&whole, &words).status.code(), Some(0));
-    let mut child = command(&dir, &words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut reader = std::io::BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("\"progress\"") {
-        line.clear();
-        assert!(std::io::BufRead::read_line(&mut reader, &mut line).unwrap() > 0, "ended early");
-    }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let _ = std::io::read_to_string(reader).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let output = support::interrupted(command(&dir, &words), "\"progress\"");
     assert_eq!(output.status.code(), Some(1), "{}", out(&output));
     assert!(dir.path().join("work").exists() && dir.path().join("a.exr").exists());
     let read = |dir: &TempDir| fs::read(dir.path().join("a.exr")).unwrap();
@@ -125,17 +116,8 @@ fn points_without_neighbours_keep_budgets_too() {
     let points = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
         property float nx\nproperty float ny\nproperty float nz\nend_header\n0.1 0 0.1 0 1 0\n";
     fs::write(dir.path().join("in.ply"), points).unwrap();
-    let mut sample = Command::new(env!("CARGO_BIN_EXE_conray"));
-    sample.current_dir(dir.path()).args([
-        "sample",
-        "cornell",
-        "--points",
-        "in.ply",
-        "-o",
-        "out.ply",
-        "--explain",
-    ]);
-    let output = sample.output().unwrap();
+    let words = ["sample", "cornell", "--points", "in.ply", "-o", "out.ply", "--explain"];
+    let output = support::command(&dir, &words).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", out(&output));
     assert!(out(&output).contains("end: the error was reached"), "{}", out(&output));
 }

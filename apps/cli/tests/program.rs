@@ -1,32 +1,13 @@
 //! The program tested as a program: exit codes, messages, files.
 
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Output, Stdio},
-};
+mod support;
+
+use std::{fs, path::Path, process::Output};
+use support::{command, err, folder, out};
 use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().unwrap()
-}
-
-fn command(folder: &TempDir, words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_conray"));
-    command.current_dir(folder.path()).args(words);
-    command
-}
 
 fn conray(folder: &TempDir, words: &[&str]) -> Output {
     command(folder, words).output().unwrap()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn out(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 /// Names of files in a folder, sorted.
@@ -450,21 +431,11 @@ fn ctrl_c_writes_what_is_there_and_says_so() {
         "render", "--method", "rays", "--rays", "1048576", "--size", "64x64", "-o", "ao.png", "-o", "ao.exr",
         "--json",
     ];
-    let mut child = command(&dir, &words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // Progress on standard output says that estimation is under way.
-    let mut reader = std::io::BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("\"progress\"") {
-        line.clear();
-        assert!(std::io::BufRead::read_line(&mut reader, &mut line).unwrap() > 0, "ended early");
-    }
-    let interrupt = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(interrupt.success());
-    let drained = std::io::read_to_string(reader).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let output = support::interrupted(command(&dir, &words), "\"progress\"");
     assert_eq!(output.status.code(), Some(1), "{}", err(&output));
     assert!(err(&output).contains("interrupted"), "{}", err(&output));
-    let summary: serde_json::Value = serde_json::from_str(drained.lines().last().unwrap()).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(out(&output).lines().last().unwrap()).unwrap();
     assert_eq!(summary["completed"], false);
     assert_eq!(files(&dir), ["ao.exr", "ao.png"]);
     assert_eq!(image_size(&dir.path().join("ao.png")), (64, 64));

@@ -1,5 +1,7 @@
 //! `conray study` tested as a program.
 
+mod support;
+
 use serde_json::Value;
 use std::{
     fs,
@@ -7,11 +9,8 @@ use std::{
     process::{Command, Output, Stdio},
     time::{Duration, Instant},
 };
+use support::{err, folder, out};
 use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().unwrap()
-}
 
 /// A study small enough for a test, its truths kept in the folder.
 const SMALL: [&str; 14] = [
@@ -36,13 +35,9 @@ fn study(folder: &TempDir, words: &[&str]) -> Output {
 }
 
 fn command(folder: &TempDir, words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_conray"));
-    command.current_dir(folder.path()).arg("study").args(words).args(SMALL);
+    let mut command = support::command(folder, &["study"]);
+    command.args(words).args(SMALL);
     command
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// The report without what depends on the clock.
@@ -69,7 +64,7 @@ fn a_study_writes_its_report_and_says_the_same_again_but_for_times() {
     for name in ["r1", "r2"] {
         let output = study(&dir, &[&words[..], &["-o", name]].concat());
         assert_eq!(output.status.code(), Some(0), "{}", err(&output));
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let text = out(&output);
         assert!(text.contains("cornell-front") && text.contains("report.html"), "{text}");
         for file in ["report.html", "report.json", "curves.csv", "pictures/cornell-front-truth.png"] {
             assert!(dir.path().join(name).join(file).exists(), "{name}/{file}");
@@ -192,7 +187,7 @@ fn an_interrupted_study_goes_on_and_ends_as_an_unbroken_one() {
     {
         std::thread::sleep(Duration::from_millis(2));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    support::press_ctrl_c(&child);
     let broken = child.wait_with_output().unwrap();
     assert_eq!(broken.status.code(), Some(1), "{}", err(&broken));
     assert!(err(&broken).contains("interrupted"), "{}", err(&broken));

@@ -225,24 +225,18 @@ fn cut_short_and_endless_work_is_refused() {
     }
     let longer = [&bytes[..], &[0]].concat();
     assert!(damaged(&session, &camera, &path, &longer));
-    let endless = fs::File::create(&path).unwrap();
-    endless.write_at_end(&bytes, 1 << 40);
+    endless(&path, &bytes, 1 << 40);
     let work = session.hybrid(session.plan(), &camera).unwrap();
     assert!(session.load(work, session.plan(), camera.points(), &path).is_err());
 }
 
-/// A file that claims to be very long and takes no room.
-trait Endless {
-    fn write_at_end(self, start: &[u8], length: u64);
-}
-
-impl Endless for fs::File {
-    fn write_at_end(mut self, start: &[u8], length: u64) {
-        std::io::Write::write_all(&mut self, start).unwrap();
-        // Where a file system has no files so long, the bytes of the start are all there is, with nothing amiss but a byte.
-        if self.set_len(length).is_err() {
-            self.set_len(start.len() as u64 + 1).unwrap();
-        }
+/// Makes a file that claims to be very long and takes no room.
+fn endless(path: &Path, start: &[u8], length: u64) {
+    fs::write(path, start).unwrap();
+    let file = fs::File::options().write(true).open(path).unwrap();
+    // Where a file system has no files so long, the bytes of the start are all there is, with nothing amiss but a byte.
+    if file.set_len(length).is_err() {
+        file.set_len(start.len() as u64 + 1).unwrap();
     }
 }
 

@@ -24,8 +24,8 @@ impl Budget {
         Self { rays, seconds: None, error: None }
     }
 
-    /// What valid settings say; where they say nothing, the error that is hardly seen.
-    pub(crate) fn of(settings: &AoSettings) -> Self {
+    /// What valid settings say; where they say nothing, the error that is [hardly seen](HARDLY_SEEN).
+    pub fn of(settings: &AoSettings) -> Self {
         let AoSettings { rays, time, error, .. } = *settings;
         let default = (rays.is_none() && time.is_none()).then_some(HARDLY_SEEN);
         Self { rays: rays.unwrap_or(*crate::limits::RAYS.end()), seconds: time, error: error.or(default) }

@@ -245,12 +245,15 @@ fn trials(law: &Law, hardness: f64, timing: CaseTiming) -> Vec<TrialReport> {
 fn equal_time(trials: &[TrialReport]) -> Vec<EqualTime> {
     trials
         .iter()
-        .filter(|t| t.method != "rays")
         .map(|t| {
             let rays = 0.3 * (t.timing.seconds / 0.004).powf(-0.72);
             let inside = (0.006..0.4).contains(&t.timing.seconds);
-            let rmse_ratio = inside.then_some(t.quality.rmse / rays);
-            let timing = EqualTimeTiming { rmse_ratio, rmse_ratio_with_builds: rmse_ratio.map(|r| 1.3 * r) };
+            let rmse_ratio = (inside && t.method != "rays").then_some(t.quality.rmse / rays);
+            let timing = EqualTimeTiming {
+                rmse_ratio,
+                rmse_ratio_with_builds: rmse_ratio.map(|r| 1.3 * r),
+                hybrid_rmse_ratio: inside.then_some(0.4 * rays / t.quality.rmse),
+            };
             EqualTime { method: t.method.clone(), effort: t.effort, timing }
         })
         .collect()

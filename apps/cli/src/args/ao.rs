@@ -100,8 +100,7 @@ impl AoArgs {
     pub(crate) fn checked(&self) -> Result<AoSettings, Failure> {
         let settings = self.settings();
         settings.validate().map_err(|e| Failure::Request(e.to_string()))?;
-        let has_goal = settings.error.is_some() || (settings.rays.is_none() && settings.time.is_none());
-        if self.strict && !(has_goal && settings.method.has_budget()) {
+        if self.strict && crate::report::target_error(&settings).is_none() {
             return Err(Failure::Request("--strict: there is no error to reach; add --error".into()));
         }
         Ok(settings)

@@ -42,3 +42,55 @@ impl Hybrid {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{AoPlan, AoSettings, Budget, Choice, Control, Distance, Ended, Hybrid};
+    use conray_bvh::Bvh;
+    use conray_core::{Affine3A, Geometry, SurfacePoint, TriangleMesh, Vec3};
+    use std::sync::Arc;
+
+    const SIZE: u32 = 16;
+
+    /// Height 1 and very long.
+    fn wall() -> Geometry {
+        let corner = |y: f32, z: f32| Vec3::new(0.0, y, 1e3 * z);
+        let corners = vec![corner(0.0, -1.0), corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+        let mut geometry = Geometry::default();
+        let mesh =
+            geometry.add_mesh(TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()).unwrap();
+        geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
+        geometry
+    }
+
+    #[test]
+    fn even_rays_are_as_many_everywhere_and_each_point_its_own() {
+        let geometry = wall();
+        let settings = AoSettings { distance: Distance::Infinite, ..AoSettings::default() };
+        let plan = AoPlan::new(&settings, geometry.bounds()).unwrap();
+        let bvh = Bvh::build(Arc::new(geometry)).unwrap();
+        let away = |id: u32| 0.1 + 0.1 * (id % SIZE) as f32;
+        let point = |id: u32| {
+            SurfacePoint::new(Vec3::new(away(id), 0.0, 0.1 * (id / SIZE) as f32), Vec3::Y).with_id(id)
+        };
+        let points: Vec<SurfacePoint> = (0..SIZE * SIZE).map(point).collect();
+        let mut work = Hybrid::of_image(&plan, &points, SIZE, SIZE);
+        work.refine(&plan, &bvh, &points, Budget::rays(16), Control::none());
+        assert_eq!(work.choice, Choice::Hybrid);
+        work.choice = Choice::Evenly;
+        let ended = work.refine(&plan, &bvh, &points, Budget::rays(1024), Control::none());
+        assert_eq!(ended, Ended::Rays);
+        let (mut squares, mut expected, mut independent) = (0.0, 0.0, 0.0);
+        for (id, found) in work.estimates().iter().enumerate() {
+            assert_eq!(found.rays, 1024);
+            let away = away(id as u32);
+            let truth = 0.5 + 0.5 * away / (away * away + 1.0).sqrt();
+            squares += (found.visibility - truth).powi(2);
+            expected += found.error.powi(2);
+            independent += truth * (1.0 - truth) / 1024.0;
+        }
+        let to_independent = (squares / independent).sqrt();
+        assert!(to_independent < 0.25, "{to_independent}");
+        assert!((0.5..2.0).contains(&(expected / squares).sqrt()), "{}", (expected / squares).sqrt());
+    }
+}

@@ -98,24 +98,26 @@ pub(super) fn rows(case: &CaseReport) -> Vec<TableRow> {
     rows
 }
 
-/// Every trial but those of `rays` against the curve of `rays`.
+/// Every trial against the curves of `rays` and of `hybrid`, but for the method's own.
 pub(super) fn equal_time(trials: &[TrialReport]) -> Vec<EqualTime> {
-    let rays = || trials.iter().filter(|t| t.method == "rays");
-    let alone: Vec<(f64, f64)> = rays().map(|t| (t.timing.seconds, t.quality.rmse)).collect();
-    let built: Vec<(f64, f64)> = rays().map(|t| (t.timing.seconds_with_builds, t.quality.rmse)).collect();
-    trials
+    let built: Vec<(f64, f64)> = trials
         .iter()
-        .filter(|t| t.method != "rays")
-        .map(|t| {
-            let ratio =
-                |curve: &[(f64, f64)], seconds| curve::at(curve, seconds).map(|rmse| t.quality.rmse / rmse);
-            let timing = EqualTimeTiming {
-                rmse_ratio: ratio(&alone, t.timing.seconds),
-                rmse_ratio_with_builds: ratio(&built, t.timing.seconds_with_builds),
-            };
-            EqualTime { method: t.method.clone(), effort: t.effort, timing }
-        })
-        .collect()
+        .filter(|t| t.method == "rays")
+        .map(|t| (t.timing.seconds_with_builds, t.quality.rmse))
+        .collect();
+    let (rays, hybrid) = (by_time(trials, "rays"), by_time(trials, "hybrid"));
+    let against = |t: &TrialReport, other: &str, curve: &[(f64, f64)], seconds: f64| {
+        curve::at(curve, seconds).filter(|_| t.method != other).map(|rmse| t.quality.rmse / rmse)
+    };
+    let of = |t: &TrialReport| {
+        let timing = EqualTimeTiming {
+            rmse_ratio: against(t, "rays", &rays, t.timing.seconds),
+            rmse_ratio_with_builds: against(t, "rays", &built, t.timing.seconds_with_builds),
+            hybrid_rmse_ratio: against(t, "hybrid", &hybrid, t.timing.seconds).map(f64::recip),
+        };
+        EqualTime { method: t.method.clone(), effort: t.effort, timing }
+    };
+    trials.iter().map(of).collect()
 }
 
 #[cfg(test)]

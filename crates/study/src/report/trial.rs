@@ -110,7 +110,7 @@ pub struct TableTiming {
     pub blend_ratio: Option<f64>,
 }
 
-/// A method against `rays` at equal time, at one of its efforts.
+/// A method against `rays` and `hybrid` at equal time, at one of its efforts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EqualTime {
     /// Name of the method.
@@ -129,6 +129,9 @@ pub struct EqualTimeTiming {
     pub rmse_ratio: Option<f64>,
     /// The same with the builds that each needs.
     pub rmse_ratio_with_builds: Option<f64>,
+    /// The RMSE of `hybrid` in the same estimation time divided by the method's; below 1 `hybrid` wins. `None` where the time is
+    /// outside the curve of `hybrid`.
+    pub hybrid_rmse_ratio: Option<f64>,
 }
 
 /// How well a method's expected errors fit its true ones, at one effort.
