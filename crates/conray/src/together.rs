@@ -6,10 +6,15 @@ use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Method};
 use conray_target::Target;
 use std::time::Instant;
 
+/// Scattered points that share: fewer make no surface,
+const FEWEST_POINTS: usize = 256;
+/// and with fewer rays a point than a unit has most points would have none of their own.
+const FEWEST_RAYS: u32 = 16;
+
 impl Session {
     /// Estimates every point of a target until the plan's budget is spent, telling of progress and stopping when asked to.
     ///
-    /// Method `hybrid` shares between the pixels of an image; every other method, and every other layout, is
+    /// Method `hybrid` shares between the pixels of an image, and between scattered points where they are many; all else is
     /// [`Session::run`].
     ///
     /// # Errors
@@ -47,14 +52,17 @@ impl Session {
         }
     }
 
-    /// The beginning of a refinement of a target by method `hybrid`, without a ray yet; `None` for another method or a target
-    /// whose points say nothing of their neighbours.
+    /// The beginning of a refinement of a target by method `hybrid`, without a ray yet; `None` for another method, and for scattered
+    /// points that are few or get few rays: there neighbours say little.
     pub fn hybrid<T: Target>(&self, plan: &AoPlan, target: &T) -> Option<Hybrid> {
+        let points = target.points();
         match target.layout() {
-            Layout::Image { width, height } if plan.method == Method::Hybrid => {
-                Some(Hybrid::of_image(plan, target.points(), width, height))
+            _ if plan.method != Method::Hybrid => None,
+            Layout::Image { width, height } => Some(Hybrid::of_image(plan, points, width, height)),
+            Layout::Scattered if points.len() >= FEWEST_POINTS && plan.budget.rays >= FEWEST_RAYS => {
+                Some(self.install(|| Hybrid::of_scattered(plan, points)))
             }
-            _ => None,
+            Layout::Scattered => None,
         }
     }
 

@@ -18,7 +18,7 @@ pub enum Method {
     /// Occlusion Computation".
     Paper,
     /// conray's own: rays where they help most, pooled with what like neighbours found, each weighed by its expected
-    /// squared error. Of points without neighbours it is [`Method::Rays`].
+    /// squared error. Of points taken one by one it is [`Method::Rays`].
     #[default]
     Hybrid,
 }

@@ -26,9 +26,10 @@ pub(super) struct Guess {
     pub(super) value: Vec<f32>,
     /// Formal variance, in that of one unit of rays; infinite where nothing like was found.
     pub(super) formal: Vec<f32>,
-    /// Squared difference to what the pixel's own rays found, less their variance; 0 where there are none, or no guess.
+    /// Squared difference to what the pixel's own rays found, less their variance; 0 where there are none, or no guess. Where the
+    /// formal variance is more than enough, as much less as that is more.
     pub(super) off: Vec<f32>,
-    /// The formal variance where that is told, else 0.
+    /// The formal variance where that is told, at most what is enough; else 0.
     pub(super) over: Vec<f32>,
 }
 

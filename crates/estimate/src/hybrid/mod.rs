@@ -1,6 +1,8 @@
 //! Method `hybrid`: rays where they help most, neighbours where they agree, each weighed by its expected squared error.
 //!
 //! ```text
+//! pixels.rs: points side by side, scattered ones too (scattered.rs)
+//!    |
 //! start.rs: a lattice of points gets a bundle of rays each ----> Tally of each pixel (bundles.rs, tallies.rs)
 //!    ^                                                                |
 //!    |            cells.rs: tallies of like neighbours merged  <------+
@@ -30,6 +32,7 @@ mod pixels;
 mod refine;
 mod regress;
 mod residuals;
+mod scattered;
 mod start;
 mod state;
 mod tallies;
@@ -39,7 +42,7 @@ mod window;
 
 pub use state::StateError;
 
-use crate::{Choice, Explanation, Round, cpu::INVALID};
+use crate::{AoPlan, Choice, Explanation, Round, cpu::INVALID};
 use choose::Order;
 use conray_bvh::Level;
 use conray_core::{Estimate, SurfacePoint};
@@ -79,8 +82,16 @@ pub struct Hybrid {
 
 impl Hybrid {
     /// Work on the points of an image of that size: the `id` of each is its pixel, `y * width + x`.
-    pub fn of_image(plan: &crate::AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
-        let pixels = Pixels::new(points, width, height, plan.distance);
+    pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
+        Self::new(Pixels::of_image(points, width, height, plan.distance))
+    }
+
+    /// Work on points that lie in no image: vertices, texels of many charts, places of a file. Neighbours are found in the world.
+    pub fn of_scattered(plan: &AoPlan, points: &[SurfacePoint]) -> Self {
+        Self::new(Pixels::of_scattered(points, plan.distance))
+    }
+
+    fn new(pixels: Pixels) -> Self {
         Self {
             covered: pixels.place_of.iter().filter(|&&at| at != NO_POINT).count() as u64,
             tallies: vec![Tally::default(); pixels.len()],

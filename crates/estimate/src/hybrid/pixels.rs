@@ -1,5 +1,6 @@
-//! The surface points of an image, component by component, so that neighbours stand side by side.
+//! Surface points in an image, component by component, so that neighbours stand side by side.
 
+use super::scattered::Scattered;
 use conray_core::{LANES, SurfacePoint, Vec3};
 
 /// What is known of each pixel without a ray. Rows are padded to whole vectors; what has no point is not covered.
@@ -28,11 +29,28 @@ const SHARPEST: f32 = 1e6;
 pub(super) const NO_POINT: u32 = u32::MAX;
 
 impl Pixels {
-    /// Positions are told in units of the AO distance, or of a quarter of what the points span where that is less. Points whose
-    /// id is no pixel, or that are not valid, have no place.
-    pub(super) fn new(points: &[SurfacePoint], width: u32, height: u32, distance: f32) -> Self {
-        let unit = unit(points, distance);
+    /// Points of an image. Points whose id is no pixel, or that are not valid, have no place.
+    pub(super) fn of_image(points: &[SurfacePoint], width: u32, height: u32, distance: f32) -> Self {
         let (width, height) = (width as usize, height as usize);
+        let cell = |index: usize| Some(points[index].id as usize).filter(|&id| id < width * height);
+        Self::lay(points, [width, height], distance, cell, |index| points[index].footprint)
+    }
+
+    /// Points that lie in no image.
+    pub(super) fn of_scattered(points: &[SurfacePoint], distance: f32) -> Self {
+        let Scattered { width, height, cell, spacing } = Scattered::new(points);
+        Self::lay(points, [width, height], distance, |index| cell[index], |index| spacing[index])
+    }
+
+    /// Positions are told in units of the AO distance, or of a quarter of what the points span where that is less.
+    fn lay(
+        points: &[SurfacePoint],
+        [width, height]: [usize; 2],
+        distance: f32,
+        cell: impl Fn(usize) -> Option<usize>,
+        footprint: impl Fn(usize) -> f32,
+    ) -> Self {
+        let unit = unit(points, distance);
         let stride = width.next_multiple_of(LANES);
         let count = stride * height;
         let mut pixels = Self {
@@ -45,19 +63,17 @@ impl Pixels {
             place_of: vec![NO_POINT; points.len()],
         };
         let origin = points.iter().find(|p| p.is_valid()).map_or(Vec3::ZERO, |p| p.position);
-        for (index, point) in points.iter().enumerate().filter(|(_, p)| p.is_valid() && width > 0) {
-            let (x, y) = (point.id as usize % width, point.id as usize / width);
-            if y >= height {
-                continue;
-            }
-            let at = y * stride + x;
+        for (index, point) in points.iter().enumerate().filter(|(_, p)| p.is_valid()) {
+            let Some(cell) = cell(index) else { continue };
+            let at = cell / width * stride + cell % width;
             let position = (point.position - origin) / unit;
             for axis in 0..3 {
                 pixels.place[axis][at] = position[axis];
                 pixels.place[3 + axis][at] = point.shading_normal[axis];
             }
-            let footprint = if point.footprint > 0.0 { point.footprint / unit } else { UNKNOWN_FOOTPRINT };
-            pixels.sharpness[at] = (1.0 / footprint).min(SHARPEST);
+            let footprint = footprint(index);
+            let footprint = if footprint > 0.0 { footprint / unit } else { UNKNOWN_FOOTPRINT };
+            pixels.sharpness[at] = (1.0 / footprint).clamp(f32::MIN_POSITIVE, SHARPEST);
             pixels.point[at] = index as u32;
             pixels.place_of[index] = at as u32;
         }

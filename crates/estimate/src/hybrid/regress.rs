@@ -120,7 +120,9 @@ pub(super) fn sixteen<S: Simd>(
     let told = column(&layer.columns.sampled).simd_gt(zero) & formal.simd_lt(f32x16::splat(simd, f32::MAX));
     let off = column(&layer.columns.mean) - fitted;
     let off = off * off - column(&layer.columns.variance);
-    let found = [fitted, formal, told.select(off, zero), told.select(formal, zero)];
+    // A guess that says next to nothing tells little of others: it counts as one that just says enough.
+    let heard = (f32x16::splat(simd, layer.enough) / formal).min(one);
+    let found = [fitted, formal, told.select(off * heard, zero), told.select(formal * heard, zero)];
     for (out, found) in out.iter_mut().zip(found) {
         found.store_slice(&mut out[x..x + LANES]);
     }
