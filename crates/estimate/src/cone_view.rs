@@ -42,7 +42,7 @@ impl<'a> ConeViews<'a> {
         let plan = self.plan;
         let results = self.marches.march(std::slice::from_ref(point));
         self.marches.of(point, results).map(move |(cone, axis, result)| {
-            let alpha = cone_share(result.error, plan);
+            let alpha = cone_share(&result, plan);
             let rays = ray_count(alpha, plan.max_rays);
             ConeView { cone, axis, visibility: result.visibility, error: result.error, alpha, rays }
         })

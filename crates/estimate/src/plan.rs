@@ -1,6 +1,6 @@
 //! Settings made definite for one scene.
 
-use crate::{AoSettings, Budget, Distance, Method, Sampling, SettingsError};
+use crate::{AoSettings, Budget, Distance, Epsilon, Method, Sampling, SettingsError};
 use conray_core::{Bounds, ConeSet, Falloff, HemisphereCones};
 
 /// Validated settings in world units, made once per scene; code past it does not check again.
@@ -18,6 +18,8 @@ pub struct AoPlan {
     pub sampling: Sampling,
     /// The cones that stand for the hemisphere.
     pub cones: HemisphereCones,
+    /// Which error of a cone the paper's blend goes by.
+    pub epsilon: Epsilon,
     /// The paper's transition parameter.
     pub beta: f32,
     /// The paper's error threshold.
@@ -47,6 +49,7 @@ impl AoPlan {
             budget: Budget::of(settings),
             sampling: settings.sampling,
             cones: HemisphereCones::new(ConeSet::from_count(settings.cones).expect("validated")),
+            epsilon: settings.epsilon,
             beta: settings.beta,
             gamma: settings.gamma,
             max_rays: settings.max_rays,

@@ -1,6 +1,6 @@
 //! What a person asks for.
 
-use crate::Distance;
+use crate::{Distance, Epsilon};
 use conray_core::{ConeSet, Falloff};
 use serde::{Deserialize, Serialize};
 use std::{fmt, ops::RangeInclusive, str::FromStr};
@@ -155,6 +155,8 @@ pub struct AoSettings {
     pub voxels: u32,
     /// Cones per point: 6, 9, 16 or 25.
     pub cones: u32,
+    /// Method `paper`: which error of a cone that is.
+    pub epsilon: Epsilon,
     /// Method `paper`: how fast trust in a cone falls with its error, in [`limits::BETA`].
     pub beta: f32,
     /// Method `paper`: the cone error up to which a cone is trusted fully, in [`limits::GAMMA`].
@@ -181,6 +183,7 @@ impl Default for AoSettings {
             sampling: Sampling::default(),
             voxels: 512,
             cones: 16,
+            epsilon: Epsilon::default(),
             // With gamma given, beta and N_max are those of least squared error times cost on the built-in `cornell`
             // (`cargo run --release -p conray-bench --bin tune_paper`); beyond a beta of 100 little is gained.
             beta: 100.0,

@@ -310,6 +310,7 @@ fn cones(hardness: f64) -> ConeReport {
         ],
         epsilon: (0..13).map(bin).collect(),
         rank_correlation: 0.71,
+        rank_correlation_marching: 0.83,
     }
 }
 
@@ -317,6 +318,7 @@ fn tuned(budget: u32) -> TunedReport {
     let root = f64::from(budget).sqrt();
     TunedReport {
         budget,
+        epsilon: "published".into(),
         beta: 2.0 * root,
         gamma: 0.04 / root,
         max_rays: 2 + budget,

@@ -4,18 +4,32 @@
 //! squared error of the blend and its rays follow for any constants without tracing anything, and a whole grid can be
 //! searched. At a point the errors of cones add with their signs, those of rays as independent ones.
 
-use crate::pilot::{Pilot, PilotPoint};
+use crate::pilot::{Pilot, PilotCone, PilotPoint};
+use conray::{AoSettings, Epsilon};
 use rayon::prelude::*;
 
 /// The published blend's constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Constants {
+    /// Which error of a cone counts.
+    pub(crate) epsilon: Epsilon,
     /// Transition parameter.
     pub(crate) beta: f32,
     /// Threshold.
     pub(crate) gamma: f32,
     /// Most rays per cone.
     pub(crate) max_rays: u32,
+}
+
+impl Constants {
+    /// No ray is sent: the cones alone.
+    pub(crate) const CONES: Self = Self { epsilon: Epsilon::Published, beta: 0.0, gamma: 1.0, max_rays: 1 };
+
+    /// Those of a study.
+    pub(crate) fn of(settings: &AoSettings) -> Self {
+        let AoSettings { epsilon, beta, gamma, max_rays, .. } = *settings;
+        Self { epsilon, beta, gamma, max_rays }
+    }
 }
 
 /// What the search found for one budget.
@@ -40,7 +54,10 @@ pub(crate) fn tune(pilot: &Pilot, budgets: &[u32]) -> Vec<Tuned> {
     let grid: Vec<Constants> = BETAS
         .iter()
         .flat_map(|&beta| GAMMAS.iter().map(move |&gamma| (beta, gamma)))
-        .flat_map(|(beta, gamma)| MAX_RAYS.iter().map(move |&max_rays| Constants { beta, gamma, max_rays }))
+        .flat_map(|(beta, gamma)| MAX_RAYS.iter().map(move |&max_rays| (beta, gamma, max_rays)))
+        .flat_map(|(beta, gamma, max_rays)| {
+            Epsilon::ALL.map(|epsilon| Constants { epsilon, beta, gamma, max_rays })
+        })
         .collect();
     let judged: Vec<Tuned> = grid.par_iter().map(|&constants| expect(pilot, constants)).collect();
     // The constants that send fewest rays: what is left where the budget allows nothing.
@@ -70,7 +87,7 @@ pub(crate) fn expect(pilot: &Pilot, constants: Constants) -> Tuned {
 fn expect_at(point: &PilotPoint, constants: Constants) -> (f64, u32) {
     let (mut bias, mut variance, mut rays) = (0.0f64, 0.0f64, 0);
     for cone in &point.cones {
-        let (alpha, count) = share(cone.epsilon, constants);
+        let (alpha, count) = share(cone, constants);
         bias += f64::from(cone.weight * alpha * (cone.visibility - cone.truth));
         if count > 0 {
             let by_rays = f64::from(cone.weight * (1.0 - alpha));
@@ -82,8 +99,8 @@ fn expect_at(point: &PilotPoint, constants: Constants) -> (f64, u32) {
 }
 
 /// The cone's share and its rays: equations 1 and 2 of the paper, rounded as method `paper` does.
-pub(crate) fn share(epsilon: f32, constants: Constants) -> (f32, u32) {
-    let alpha = match epsilon {
+pub(crate) fn share(cone: &PilotCone, constants: Constants) -> (f32, u32) {
+    let alpha = match constants.epsilon.of(cone.visibility, cone.epsilon) {
         f32::INFINITY => 0.0,
         epsilon => (-constants.beta * (epsilon - constants.gamma)).exp().clamp(0.0, 1.0),
     };
@@ -94,7 +111,7 @@ pub(crate) fn share(epsilon: f32, constants: Constants) -> (f32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pilot::{OccluderFacts, PilotCone};
+    use crate::pilot::OccluderFacts;
 
     /// Two cones: one whose march is right with epsilon 0, one that is wrong and says so.
     fn pilot() -> Pilot {
@@ -112,11 +129,12 @@ mod tests {
 
     #[test]
     fn expected_error_and_rays_follow_from_the_cones() {
-        let all_rays = expect(&pilot(), Constants { beta: 1e6, gamma: 0.0, max_rays: 4 });
+        let always = Constants { epsilon: Epsilon::Published, beta: 1e6, gamma: 0.0, max_rays: 4 };
+        let all_rays = expect(&pilot(), always);
         assert_eq!(all_rays.rays, 4.0);
         // Half the hemisphere by four rays of a coin: 0.5 * sqrt(0.25 / 4).
         assert!((all_rays.rmse - 0.125).abs() < 1e-6, "{all_rays:?}");
-        let no_rays = expect(&pilot(), Constants { beta: 1e6, gamma: 1.0, max_rays: 4 });
+        let no_rays = expect(&pilot(), Constants { gamma: 1.0, ..always });
         assert_eq!(no_rays.rays, 0.0);
         assert!((no_rays.rmse - 0.25).abs() < 1e-6, "cones alone err by half of a half: {no_rays:?}");
     }

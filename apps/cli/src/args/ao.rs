@@ -3,7 +3,7 @@
 use super::parse::{parse_bytes, parse_time};
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
-use conray::{Alpha, AoSettings, Distance, Falloff, Method, Sampling};
+use conray::{Alpha, AoSettings, Distance, Epsilon, Falloff, Method, Sampling};
 
 /// Options of every command that estimates by one method.
 #[derive(Args, Debug)]
@@ -51,6 +51,10 @@ pub(crate) struct SharedAoArgs {
     /// Cones per point: 6, 9, 16 or 25
     #[arg(long, value_name = "N", default_value_t = AoSettings::default().cones, allow_negative_numbers = true)]
     cones: u32,
+    /// Method paper: which error of a cone that is: published (the standard deviations met) or marching (with that of marching
+    /// itself, which partly open cones have)
+    #[arg(long, default_value_t = AoSettings::default().epsilon)]
+    epsilon: Epsilon,
     /// Method paper: how fast trust in a cone falls with its error, 0 or more
     #[arg(long, value_name = "X", default_value_t = AoSettings::default().beta, allow_negative_numbers = true)]
     beta: f32,
@@ -119,6 +123,7 @@ impl SharedAoArgs {
             },
             voxels: self.voxels,
             cones: self.cones,
+            epsilon: self.epsilon,
             beta: self.beta,
             gamma: self.gamma,
             max_rays: self.max_rays,

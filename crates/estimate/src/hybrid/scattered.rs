@@ -196,7 +196,7 @@ mod tests {
             let at = owen_sobol_2d(k, 5);
             // Twenty times as many in one corner as in the other.
             let along = |x: f32| if dense { x.powi(3) } else { x };
-            let floor = f32::from(u8::from(hash_u32(k) % 3 == 0));
+            let floor = f32::from(u8::from(hash_u32(k).is_multiple_of(3)));
             SurfacePoint::new(Vec3::new(along(at.x), floor, along(at.y)), Vec3::Y)
         };
         let mut points: Vec<(u32, SurfacePoint)> =

@@ -1,7 +1,7 @@
 //! Method `cones`: the hemisphere as a set of cones marched through the octree.
 
 use super::above_surface::AboveSurface;
-use crate::AoPlan;
+use crate::{AoPlan, epsilon::expected_error};
 use conray_bvh::Level;
 use conray_core::{Cone, ConeEstimate, Estimate, SurfacePoint, Vec3};
 use conray_voxel::{ConeMarch, ConePoint, ConeResult, MarchOptions, Octree};
@@ -14,13 +14,14 @@ pub(crate) struct Cones<'a> {
 impl Cones<'_> {
     /// The estimate at a point from what its cones found.
     pub(crate) fn estimate(&self, point: &SurfacePoint, results: &[ConeResult]) -> Estimate {
-        let (mut visibility, mut error, mut bent) = (0.0, 0.0, Vec3::ZERO);
+        let (mut visibility, mut epsilon, mut error, mut bent) = (0.0, 0.0, 0.0, Vec3::ZERO);
         for (cone, axis, result) in self.marches.of(point, results.iter().copied()) {
             visibility += cone.weight * result.visibility;
-            error += cone.weight * result.error;
+            epsilon += cone.weight * result.error;
+            error += cone.weight * expected_error(&result);
             bent += cone.weight * result.visibility * axis;
         }
-        let cone = Some(ConeEstimate { visibility, error, alpha: 1.0 });
+        let cone = Some(ConeEstimate { visibility, error: epsilon, alpha: 1.0 });
         Estimate { visibility, error, rays: 0, bent, cone }
     }
 }

@@ -8,7 +8,7 @@ use super::{
     cones::Marches,
     point_rays::{PointRays, RayQueue, Tally},
 };
-use crate::AoPlan;
+use crate::{AoPlan, epsilon::expected_error};
 use conray_bvh::Bvh;
 use conray_core::{
     Cone, ConeEstimate, Estimate, Frame, LANES, SurfacePoint, Vec3, hash_u32, owen_sobol_2d_lanes,
@@ -38,9 +38,9 @@ impl Paper<'_> {
         let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
         let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
         for ((cone, axis, result), tally) in marched.iter().zip(&tallies) {
-            let alpha = if tally.rays > 0 { cone_share(result.error, plan) } else { 1.0 };
+            let alpha = if tally.rays > 0 { cone_share(result, plan) } else { 1.0 };
             visibility += cone.weight * (alpha * result.visibility + (1.0 - alpha) * tally.mean());
-            trusted_error += cone.weight * alpha * result.error;
+            trusted_error += cone.weight * alpha * expected_error(result);
             if tally.rays > 0 {
                 ray_variance += (cone.weight * (1.0 - alpha)).powi(2) * tally.variance_of_mean();
             }
@@ -61,7 +61,7 @@ impl Paper<'_> {
         let mut tallies = vec![Tally::default(); marched.len()];
         let mut queue = RayQueue::new(rays);
         for (index, (cone, _, result)) in marched.iter().enumerate() {
-            let per_frame = ray_count(cone_share(result.error, self.plan), self.plan.max_rays);
+            let per_frame = ray_count(cone_share(result, self.plan), self.plan.max_rays);
             let cone_seed = hash_u32(seed.wrapping_add(index as u32));
             let samples = self.frames.start * per_frame..self.frames.end * per_frame;
             for first in samples.clone().step_by(LANES) {
@@ -85,12 +85,13 @@ fn sixteen<S: Simd>(simd: S, cone: &Cone, first: u32, seed: u32, frame: &Frame) 
 }
 
 /// Equation 1: the cone's share in the blend, 1 up to the threshold.
-pub(crate) fn cone_share(error: f32, plan: &AoPlan) -> f32 {
-    if error == f32::INFINITY {
+pub(crate) fn cone_share(cone: &ConeResult, plan: &AoPlan) -> f32 {
+    let epsilon = plan.epsilon.of(cone.visibility, cone.error);
+    if epsilon == f32::INFINITY {
         // An unusable cone is left to rays, whatever beta says.
         return 0.0;
     }
-    (-plan.beta * (error - plan.gamma)).exp().clamp(0.0, 1.0)
+    (-plan.beta * (epsilon - plan.gamma)).exp().clamp(0.0, 1.0)
 }
 
 /// Equation 2, rounded to the nearest whole.

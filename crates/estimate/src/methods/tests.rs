@@ -1,8 +1,9 @@
 //! The parts of the methods that need no scene.
 
 use super::{paper, point_rays::Tally};
-use crate::{AoPlan, AoSettings, Method, merge};
+use crate::{AoPlan, AoSettings, Epsilon, Method, merge};
 use conray_core::{Bounds, Estimate, Vec3};
+use conray_voxel::ConeResult;
 
 fn plan(beta: f32, gamma: f32) -> AoPlan {
     let settings = AoSettings { beta, gamma, ..AoSettings::default() };
@@ -12,12 +13,16 @@ fn plan(beta: f32, gamma: f32) -> AoPlan {
 #[test]
 fn the_share_of_a_cone_follows_equation_1_and_stays_within_its_range() {
     let plan = plan(10.0, 0.02);
-    assert_eq!(paper::cone_share(0.0, &plan), 1.0);
-    assert_eq!(paper::cone_share(0.02, &plan), 1.0);
-    assert!((paper::cone_share(0.12, &plan) - (-1.0f32).exp()).abs() < 1e-6);
-    assert_eq!(paper::cone_share(f32::INFINITY, &plan), 0.0, "an unusable cone is left to rays");
-    let shares: Vec<f32> = (0..100).map(|i| paper::cone_share(i as f32 / 50.0, &plan)).collect();
+    let share = |error, plan: &AoPlan| paper::cone_share(&ConeResult { visibility: 0.5, error }, plan);
+    assert_eq!(share(0.0, &plan), 1.0);
+    assert_eq!(share(0.02, &plan), 1.0);
+    assert!((share(0.12, &plan) - (-1.0f32).exp()).abs() < 1e-6);
+    assert_eq!(share(f32::INFINITY, &plan), 0.0, "an unusable cone is left to rays");
+    let shares: Vec<f32> = (0..100).map(|i| share(i as f32 / 50.0, &plan)).collect();
     assert!(shares.windows(2).all(|w| w[1] <= w[0]));
+    // Half open: the error of marching is one half.
+    let marching = AoPlan { epsilon: Epsilon::Marching, ..plan };
+    assert!((share(0.0, &marching) - (-4.8f32).exp()).abs() < 1e-6);
 }
 
 #[test]

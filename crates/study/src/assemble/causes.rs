@@ -74,7 +74,7 @@ impl Cause {
         let mut worst = (0.0, Self::Small);
         let (mut by_cones, mut by_rays) = (0.0f32, 0.0f32);
         for cone in &point.cones {
-            let (alpha, rays) = share(cone.epsilon, constants);
+            let (alpha, rays) = share(cone, constants);
             let error = cone.weight * alpha * (cone.visibility - cone.truth);
             by_cones += error;
             if rays > 0 {
@@ -92,10 +92,8 @@ impl Cause {
 pub(super) fn constants(method: &str, settings: &AoSettings) -> Option<Constants> {
     match method {
         // Nothing is ever above the threshold: the cone alone.
-        "cones" => Some(Constants { beta: 0.0, gamma: 1.0, max_rays: 1 }),
-        "paper" => {
-            Some(Constants { beta: settings.beta, gamma: settings.gamma, max_rays: settings.max_rays })
-        }
+        "cones" => Some(Constants::CONES),
+        "paper" => Some(Constants::of(settings)),
         _ => None,
     }
 }
@@ -162,7 +160,7 @@ mod tests {
         for (cone, cause) in cases {
             assert_eq!(Cause::of_cone(&cone), cause, "{cone:?}");
             let point = PilotPoint { index: 0, cones: vec![cone] };
-            assert_eq!(Cause::at(&point, Constants { beta: 0.0, gamma: 1.0, max_rays: 1 }), cause);
+            assert_eq!(Cause::at(&point, Constants::CONES), cause);
         }
         assert!(cases.iter().all(|(_, cause)| !cause.text().is_empty()));
     }

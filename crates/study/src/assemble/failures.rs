@@ -116,7 +116,13 @@ fn cause_at(evidence: &Evidence<'_>, trial: &Trial, pixel: u32) -> Result<String
     let blend = constants(method, &case.settings).or_else(|| {
         let number = |name: &str| tuned.get(name).and_then(serde_json::Value::as_f64);
         let (beta, gamma, rays) = (number("beta")?, number("gamma")?, number("max-rays")?);
-        Some(crate::search::Constants { beta: beta as f32, gamma: gamma as f32, max_rays: rays as u32 })
+        let epsilon = tuned.get("epsilon")?.as_str()?.parse().ok()?;
+        Some(crate::search::Constants {
+            epsilon,
+            beta: beta as f32,
+            gamma: gamma as f32,
+            max_rays: rays as u32,
+        })
     });
     if let Some(constants) = blend {
         let points = pilot::trace_points(case, &[index])?;

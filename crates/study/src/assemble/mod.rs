@@ -153,6 +153,7 @@ fn tuned(pilot: &Pilot, options: &StudyOptions) -> Vec<TunedReport> {
         .zip(found)
         .map(|(&budget, t)| TunedReport {
             budget,
+            epsilon: t.constants.epsilon.to_string(),
             beta: decimal(t.constants.beta),
             gamma: decimal(t.constants.gamma),
             max_rays: t.constants.max_rays,

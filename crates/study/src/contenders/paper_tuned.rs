@@ -17,8 +17,8 @@ impl Contender for PaperTuned {
     }
 
     fn about(&self) -> String {
-        "The published blend with beta, gamma and N_max found by search for this scene, view and budget of rays, the \
-         truth at hand: the best that its formula can do."
+        "The published blend with beta, gamma, N_max and the kind of epsilon (with the error of marching or without) found by search \
+         for this scene, view and budget of rays, the truth at hand: the best that its formula can do."
             .into()
     }
 
@@ -47,14 +47,16 @@ impl Contender for PaperTuned {
             let problem = format!("no settings were found for {effort} rays");
             return Err(StudyError::Rival { name: self.name().into(), problem });
         };
-        let search::Constants { beta, gamma, max_rays } = tuned.constants;
-        let settings = AoSettings { method: Method::Paper, beta, gamma, max_rays, ..case.settings.clone() };
+        let search::Constants { epsilon, beta, gamma, max_rays } = tuned.constants;
+        let method = Method::Paper;
+        let settings = AoSettings { method, epsilon, beta, gamma, max_rays, ..case.settings.clone() };
         case.answer(&settings, 0..1, control)
     }
 
     fn chosen(&self, effort: u32) -> Map<String, Value> {
         let mut members = Map::new();
         if let Some(tuned) = self.found.get(&effort) {
+            members.insert("epsilon".into(), json!(tuned.constants.epsilon));
             members.insert("beta".into(), json!(decimal(tuned.constants.beta)));
             members.insert("gamma".into(), json!(decimal(tuned.constants.gamma)));
             members.insert("max-rays".into(), json!(tuned.constants.max_rays));

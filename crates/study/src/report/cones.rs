@@ -18,6 +18,8 @@ pub struct ConeReport {
     pub epsilon: Vec<ConeBin>,
     /// Rank correlation (Spearman) of epsilon and the true absolute error of a cone, in [-1, 1].
     pub rank_correlation: f64,
+    /// The same of epsilon with the error of marching itself.
+    pub rank_correlation_marching: f64,
 }
 
 /// How the published blend treats a cone.
@@ -67,10 +69,12 @@ pub struct ConeBin {
 }
 
 /// The published blend's constants, found by search for one budget.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TunedReport {
     /// Rays per point at most.
     pub budget: u32,
+    /// Which error of a cone counts: `published` or `marching`.
+    pub epsilon: String,
     /// Transition parameter.
     pub beta: f64,
     /// Threshold.

@@ -127,12 +127,13 @@ pub(super) fn cone_calibration(report: &CaseReport) -> String {
     let share = |class| cones.classes.iter().find(|c| c.class == class).map_or(0.0, |c| 100.0 * c.share);
     format!(
         "Each dot is a group of cones of about equal epsilon, by their true error from {} rays each ({} points, {} cones each). On the diagonal \
-         epsilon would be the error. Rank correlation {:.2}. {:.0} % of cones are certified open, {:.0} % open as marched, {:.0} % closed, \
+         epsilon would be the error. Rank correlation {:.2}, with the error of marching itself {:.2}. {:.0} % of cones are certified open, {:.0} % open as marched, {:.0} % closed, \
          {:.0} % trusted, {:.0} % refined by rays. Cones of epsilon 0 that err are those that no blend can mend.",
         cones.rays,
         cones.points,
         cones.cones,
         cones.rank_correlation,
+        cones.rank_correlation_marching,
         share(ConeClass::Certified),
         share(ConeClass::Open),
         share(ConeClass::Closed),
