@@ -2,6 +2,7 @@
 
 use super::{
     pixels::Pixels,
+    spread::spread,
     tallies::{FULL, Rays, Tally},
     weigh::Known,
 };
@@ -131,13 +132,6 @@ fn threshold(candidates: &[Candidate], budget: u64) -> (u32, u64) {
 }
 
 /// Between 0.6 and 1.4, each value at pixels far from each other: where some of many like pixels are chosen they are spread.
-///
-/// Ranks of an 8 x 8 matrix as in Bayer, "An Optimum Method for Two-Level Rendition of Continuous-Tone Pictures", 1973.
 fn dither(x: usize, y: usize) -> f32 {
-    let mut rank = 0;
-    for bit in 0..3 {
-        let (x, y) = (x >> bit & 1, y >> bit & 1);
-        rank = rank * 4 + 2 * (x ^ y) + y;
-    }
-    0.6 + 0.8 * (rank as f32 + 0.5) / 64.0
+    0.6 + 0.8 * spread(x, y)
 }

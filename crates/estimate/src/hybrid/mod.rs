@@ -33,6 +33,7 @@ mod refine;
 mod regress;
 mod residuals;
 mod scattered;
+mod spread;
 mod start;
 mod state;
 mod tallies;

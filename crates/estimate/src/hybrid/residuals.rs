@@ -21,6 +21,9 @@ const PRIOR_SAMPLES: f32 = 2.0;
 /// Most doubt about a sample whose rays err more than the guess.
 const MOST_DOUBT: f32 = 1e4;
 
+/// So many standard deviations are no chance: what few rays meet rarely scatters far more than what they meet often.
+const BEYOND_CHANCE: f32 = 8.0;
+
 /// What is known about errors at sixteen pixels.
 pub(super) struct Local<S: Simd> {
     /// Variance of one unit of rays.
@@ -73,9 +76,10 @@ impl<S: Simd> Local<S> {
         }
         let prior = f32x16::splat(simd, PRIOR_SAMPLES);
         self.unit_variance = leaning(simd, [unit_variance, samples], self.unit_variance, samples, prior);
-        // Rays that err more than the guess say little of it, unless they find more than twice what n samples of their own
-        // variance scatter by: the square root of 2/n of it.
-        let chance = variance * (f32x16::splat(simd, 8.0) / samples.max(one)).sqrt();
+        // Rays that err more than the guess say little of it, unless they find far more than n samples of their own variance
+        // scatter by: the square root of 2/n of it.
+        let scatter = (f32x16::splat(simd, 2.0) / samples.max(one)).sqrt();
+        let chance = variance * scatter * f32x16::splat(simd, BEYOND_CHANCE);
         for guess in sizes {
             let (mut found, mut over) = (zero, zero);
             for (k, &near) in near.iter().enumerate() {

@@ -3,16 +3,18 @@
 use super::{
     Hybrid, NO_POINT, Order, Rays, bundles,
     refine::Work,
+    spread,
     tallies::{FULL, UNIT, worth},
 };
 use rayon::prelude::*;
 
-/// Share of the rays that the lattice gets;
-const FIRST_SHARE: f64 = 0.25;
-/// all of so few rays a point: another weighing would take the time of more than they are.
+/// Share of the rays that the lattice gets: with less for it the other half would be placed better, by weighings that take longer
+/// than they save;
+const FIRST_SHARE: f64 = 0.5;
+/// all of so few rays a point: even one other weighing would take the time of more than they are.
 const FEW: f64 = 8.0;
-/// Most pixels between points of the lattice, as a power of two.
-const WIDEST: f64 = 4.0;
+/// Least share of points in the lattice: one in 16 x 16.
+const WIDEST: f64 = 1.0 / 256.0;
 /// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
 pub(super) const MANY: f64 = 48.0;
 /// Points that are traced again at most, and for how many units of the lattice one is.
@@ -45,15 +47,13 @@ impl Hybrid {
             self.unfinished.clear();
         }
         let share = if rays_per_point < FEW { 1.0 } else { FIRST_SHARE };
-        let area = f64::from(first * UNIT) / (share * rays_per_point.max(f64::MIN_POSITIVE));
-        let step = 1 << (0.5 * area.log2()).ceil().clamp(0.0, WIDEST) as usize;
-        let pixels = &self.pixels;
-        let in_lattice = |&&at: &&u32| {
-            let (x, y) = (at as usize % pixels.stride, at as usize / pixels.stride);
-            at != NO_POINT && x % step == step / 2 && y % step == step / 2
-        };
+        let part = (share * rays_per_point / f64::from(first * UNIT)).max(WIDEST) as f32;
+        let stride = self.pixels.stride;
+        let is_in =
+            |at: u32| at != NO_POINT && spread::spread(at as usize % stride, at as usize / stride) < part;
+        let points = self.pixels.place_of.iter().copied();
         let lattice: Vec<Order> =
-            pixels.place_of.iter().filter(in_lattice).map(|&at| Order { at, units: first }).collect();
+            points.filter(|&at| is_in(at)).map(|at| Order { at, units: first }).collect();
         self.rays = unknown(first);
         if self.trace(work, &lattice, f64::INFINITY) {
             self.rays = self.pilot(work, &lattice);
