@@ -6,6 +6,7 @@ use super::{
     spread,
     tallies::{FULL, UNIT, worth},
 };
+use conray_core::hash_u32;
 use rayon::prelude::*;
 
 /// Share of the rays that the lattice gets: with less for it the other half would be placed better, by weighings that take longer
@@ -39,6 +40,12 @@ pub(super) fn first_units(rays_per_point: f64) -> u32 {
     if rays_per_point < MANY { 1 } else { FULL }
 }
 
+/// The point to trace again in the `k`th part of so many: anywhere in it, since steps of one length would stay in a few columns of
+/// the image.
+fn pick(k: usize, every: usize) -> usize {
+    k * every + hash_u32(k as u32) as usize % every.max(1)
+}
+
 impl Hybrid {
     /// Traces the lattice for a budget of so many rays a point, in bundles that suit it; not started where it was interrupted.
     pub(super) fn start(&mut self, work: &Work<'_>, rays_per_point: f64) {
@@ -69,7 +76,7 @@ impl Hybrid {
         let pairs = PAIRS.min(lattice.len() * first as usize / PAIR_OF);
         let every = lattice.len() / pairs.max(1);
         let pair = |k: usize| {
-            let at = lattice[k * every].at as usize;
+            let at = lattice[pick(k, every)].at as usize;
             let tally = &self.tallies[at];
             let point = &work.points[self.pixels.point[at] as usize];
             let again = bundles::again(work.plan, work.bvh, point, SALT);
@@ -99,5 +106,23 @@ impl Hybrid {
             [found, found / full_to_unit.max(LEAST_RATIO)]
         };
         Rays { unit: unit as f32, full: full as f32, first }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_traced_again_in_all_columns_of_an_image() {
+        let (every, width) = (128, 512);
+        let columns: std::collections::BTreeSet<usize> = (0..2048)
+            .map(|k| {
+                let at = pick(k, every);
+                assert!((k * every..(k + 1) * every).contains(&at));
+                at % width
+            })
+            .collect();
+        assert!(columns.len() > 450, "{}", columns.len());
     }
 }
