@@ -122,7 +122,11 @@ pub(crate) fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
     let Ok(Value::Object(members)) = serde_json::to_value(settings) else { return Vec::new() };
     let text = |value: Value| match value {
         Value::String(text) => text,
-        other => other.to_string(),
+        other => match other.as_f64() {
+            // Single precision, as it was asked for: 0.02 and not 0.019999999552965164.
+            Some(number) if f64::from(number as f32) == number => (number as f32).to_string(),
+            _ => other.to_string(),
+        },
     };
     members.into_iter().map(|(name, value)| (name, text(value))).collect()
 }

@@ -66,6 +66,7 @@ fn explaining_tells_costs_choices_rounds_and_the_end() {
     assert_eq!(output.status.code(), Some(0), "{}", out(&output));
     for fragment in [
         "budget: 100 s or an expected error of 0.05",
+        "settings other than the defaults: --time 100 --error 0.05",
         "a ray ",
         "a weighing ",
         "in bundles of 16",
