@@ -3,7 +3,7 @@
 //! `cargo run --release -p conray-bench --bin scattered -- [SCENE...] [--points 16384] [--truth 4096]`
 
 use clap::Parser;
-use conray::target::{Target, TargetError};
+use conray::target::Target;
 use conray::{AoSettings, Control, Error, Estimate, Method, Session, SurfacePoint, Vec3, View};
 use conray_bench::{Judged, judged};
 use std::error::Error as StdError;
@@ -24,21 +24,6 @@ struct Args {
     truth: u32,
 }
 
-/// Points in no order.
-struct Scattered(Vec<SurfacePoint>);
-
-impl Target for Scattered {
-    type Output = ();
-
-    fn points(&self) -> &[SurfacePoint] {
-        &self.0
-    }
-
-    fn resolve(&self, _: &[Estimate]) -> Result<(), TargetError> {
-        Ok(())
-    }
-}
-
 fn main() -> Result<(), Box<dyn StdError>> {
     let args = Args::parse();
     for name in &args.scenes {
@@ -48,7 +33,6 @@ fn main() -> Result<(), Box<dyn StdError>> {
             ("camera", seen(&session, &view, args.points)?),
             ("triangles", middles(&session, args.points as usize)),
         ] {
-            let points = Scattered(points);
             let truth = run(&mut session, &points, Method::Rays, args.truth, 0x7eed)?.0;
             for &rays in &args.rays {
                 let (plain, _, plain_seconds) = run(&mut session, &points, Method::Rays, rays, 0)?;
@@ -57,7 +41,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
                 println!(
                     "{name:10} {what:9} {} points, {rays:4} rays: RMSE {error:.5} in {seconds:.3} s, rays {plain:.5} in \
                      {plain_seconds:.3} s, ratio {:.2}, expected over true {:.2}",
-                    points.0.len(),
+                    points.len(),
                     error / plain,
                     expected / error
                 );
@@ -101,7 +85,7 @@ fn numbered(points: impl IntoIterator<Item = SurfacePoint>) -> Vec<SurfacePoint>
 /// Estimates, their expected RMSE and seconds.
 fn run(
     session: &mut Session,
-    points: &Scattered,
+    points: &Vec<SurfacePoint>,
     method: Method,
     rays: u32,
     seed: u32,

@@ -1,31 +1,14 @@
 //! Method `hybrid` over points that lie in no image.
 
 use conray::{
-    AoSettings, Control, Estimate, Method, Session, SessionOptions, SurfacePoint, Vec3, scene,
-    target::{Target, TargetError},
+    AoSettings, Control, Estimate, Method, Session, SessionOptions, SurfacePoint, Vec3, scene, target::Target,
 };
 use conray_core::hash_u32;
 
-/// Points in no order.
-struct Points(Vec<SurfacePoint>);
-
-impl Target for Points {
-    type Output = ();
-
-    fn points(&self) -> &[SurfacePoint] {
-        &self.0
-    }
-
-    fn resolve(&self, _: &[Estimate]) -> Result<(), TargetError> {
-        Ok(())
-    }
-}
-
-impl Points {
-    fn new(mut points: Vec<SurfacePoint>) -> Self {
-        points.sort_by_key(|point| hash_u32(point.id));
-        Self((0..).zip(points).map(|(id, point)| point.with_id(id)).collect())
-    }
+/// In no order, numbered anew.
+fn shuffled(mut points: Vec<SurfacePoint>) -> Vec<SurfacePoint> {
+    points.sort_by_key(|point| hash_u32(point.id));
+    (0..).zip(points).map(|(id, point)| point.with_id(id)).collect()
 }
 
 fn session(name: &str, threads: usize) -> Session {
@@ -34,13 +17,13 @@ fn session(name: &str, threads: usize) -> Session {
 }
 
 /// What the first camera sees.
-fn seen(name: &str, session: &Session, size: u32) -> Points {
+fn seen(name: &str, session: &Session, size: u32) -> Vec<SurfacePoint> {
     let view = scene::builtin(name).unwrap().default_view();
-    Points::new(session.camera(&view, size, size).unwrap().points().to_vec())
+    shuffled(session.camera(&view, size, size).unwrap().points().to_vec())
 }
 
 /// Middles of some triangles: of large and tiny ones, and of such as lie inside other parts, where neighbours say nothing.
-fn middles(session: &Session, every: usize) -> Points {
+fn middles(session: &Session, every: usize) -> Vec<SurfacePoint> {
     let mut points = Vec::new();
     for (index, instance) in session.geometry().instances().iter().enumerate() {
         let mesh = session.geometry().mesh_of(index);
@@ -52,10 +35,16 @@ fn middles(session: &Session, every: usize) -> Points {
             }
         }
     }
-    Points::new(points)
+    shuffled(points)
 }
 
-fn run(session: &mut Session, points: &Points, method: Method, rays: u32, seed: u32) -> Vec<Estimate> {
+fn run(
+    session: &mut Session,
+    points: &Vec<SurfacePoint>,
+    method: Method,
+    rays: u32,
+    seed: u32,
+) -> Vec<Estimate> {
     session.set_plan(&AoSettings { method, rays: Some(rays), seed, ..AoSettings::default() }).unwrap();
     session.run_target(points, Control::none()).unwrap().estimates
 }
@@ -67,7 +56,7 @@ fn rms(values: impl Iterator<Item = f32>) -> f64 {
 }
 
 /// True error, expected error, error of as many rays.
-fn errors(session: &mut Session, points: &Points, rays: u32) -> [f64; 3] {
+fn errors(session: &mut Session, points: &Vec<SurfacePoint>, rays: u32) -> [f64; 3] {
     let truth = run(session, points, Method::Rays, 4096, 99);
     let off = |found: &[Estimate]| rms(found.iter().zip(&truth).map(|(f, t)| f.visibility - t.visibility));
     let found = run(session, points, Method::Hybrid, rays, 0);
@@ -99,7 +88,7 @@ fn neighbours_that_say_nothing_do_no_harm() {
 fn few_points_and_few_rays_are_for_rays_alone() {
     let mut session = session("cornell", 0);
     let points = seen("cornell", &session, 20);
-    let few = Points(points.0[..255].to_vec());
+    let few = points[..255].to_vec();
     for (points, rays) in [(&points, 15), (&few, 64)] {
         assert!(session.hybrid(&plan(&session, rays), points).is_none());
         let found = run(&mut session, points, Method::Hybrid, rays, 0);
@@ -117,8 +106,17 @@ fn threads_change_no_bit() {
     let [one, three] = [1, 3].map(|threads| {
         let mut session = session("cornell", threads);
         // More than are laid out by one thread.
-        let points = seen("cornell", &session, 96);
+        let points = seen("cornell", &session, 192);
         run(&mut session, &points, Method::Hybrid, 32, 0)
     });
     assert_eq!(one, three);
+}
+
+#[test]
+fn plain_points_are_a_target_and_count_their_estimates() {
+    let mut session = session("cornell", 0);
+    let points = seen("cornell", &session, 20);
+    let found = run(&mut session, &points, Method::Hybrid, 16, 0);
+    assert_eq!(points.resolve(&found).unwrap(), found);
+    assert!(points.resolve(&found[1..]).is_err());
 }

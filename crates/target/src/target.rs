@@ -22,6 +22,20 @@ pub trait Target {
     fn resolve(&self, estimates: &[Estimate]) -> Result<Self::Output, TargetError>;
 }
 
+/// Points in no order: the estimates are what they become.
+impl Target for Vec<SurfacePoint> {
+    type Output = Vec<Estimate>;
+
+    fn points(&self) -> &[SurfacePoint] {
+        self
+    }
+
+    fn resolve(&self, estimates: &[Estimate]) -> Result<Vec<Estimate>, TargetError> {
+        check_count(self, estimates)?;
+        Ok(estimates.to_vec())
+    }
+}
+
 /// The check that every [`Target::resolve`] begins with.
 pub(crate) fn check_count(points: &[SurfacePoint], estimates: &[Estimate]) -> Result<(), TargetError> {
     let (expected, found) = (points.len(), estimates.len());
