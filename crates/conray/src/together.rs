@@ -58,7 +58,9 @@ impl Session {
         let points = target.points();
         match target.layout() {
             _ if plan.method != Method::Hybrid => None,
-            Layout::Image { width, height } => Some(Hybrid::of_image(plan, points, width, height)),
+            Layout::Image { width, height } => {
+                Some(self.install(|| Hybrid::of_image(plan, points, width, height)))
+            }
             Layout::Scattered if points.len() >= FEWEST_POINTS && plan.budget.rays >= FEWEST_RAYS => {
                 Some(self.install(|| Hybrid::of_scattered(plan, points)))
             }

@@ -1,6 +1,7 @@
 //! Who gets rays next.
 
 use super::{
+    columns::PART,
     pixels::Pixels,
     spread::spread,
     tallies::{FULL, Rays, Tally},
@@ -16,6 +17,11 @@ const FIRST_RAYS: f32 = 4.0;
 
 /// Share of the time of a full bundle that a bundle of no rays takes: a unit takes 0.45 of it.
 const START: f32 = 0.27;
+
+/// Bits of a gain that are looked at at once.
+const DIGIT: u32 = u16::BITS;
+/// Parts that one thread counts at least, for its counts have to be added up.
+const AT_ONCE: usize = 16;
 
 /// A point and the units that it is to get.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,13 +65,25 @@ pub(super) fn choose(
     let candidates: Vec<Candidate> =
         (0..pixels.len()).into_par_iter().with_min_len(1 << 12).map(candidate).collect();
     let (least_gain, mut left) = threshold(&candidates, budget);
+    let above = |(part, candidates): (usize, &[Candidate])| orders_of(part, candidates, least_gain, &mut 0);
+    let parts: Vec<Vec<Order>> = candidates.par_chunks(PART).enumerate().map(above).collect();
+    // Of those that gain just as much, the first ones.
+    let with_ties = |(part, above): (usize, Vec<Order>)| {
+        let from = part * PART;
+        let candidates = &candidates[from..(from + PART).min(candidates.len())];
+        if left > 0 { orders_of(part, candidates, least_gain, &mut left) } else { above }
+    };
+    parts.into_iter().enumerate().flat_map(with_ties).collect()
+}
+
+/// Orders for the steps of a part that gain more than that, and for those that gain as much while there are units left.
+fn orders_of(part: usize, candidates: &[Candidate], least_gain: u32, left: &mut u64) -> Vec<Order> {
     let mut orders = Vec::new();
-    for (at, Candidate { gains, units }) in candidates.iter().enumerate() {
-        let mut order = Order { at: at as u32, units: 0 };
+    for (k, Candidate { gains, units }) in candidates.iter().enumerate() {
+        let mut order = Order { at: (part * PART + k) as u32, units: 0 };
         for (&gain, &units) in gains.iter().zip(units) {
-            // Of those that gain just as much, the first ones.
-            let fits = gain == least_gain && u64::from(units) <= left;
-            left -= if fits { u64::from(units) } else { 0 };
+            let fits = gain == least_gain && u64::from(units) <= *left;
+            *left -= if fits { u64::from(units) } else { 0 };
             order.units += if gain > least_gain || fits { units } else { 0 };
         }
         if order.units > 0 {
@@ -109,18 +127,25 @@ fn time(units: u32) -> f32 {
 
 /// The least gain above which the budget pays for all, and what is left of it.
 fn threshold(candidates: &[Candidate], budget: u64) -> (u32, u64) {
-    const DIGIT: u32 = u16::BITS;
     // Digit by digit, from the highest down: as many as the budget pays for.
     let (mut found, mut left) = (0, budget);
     for shift in [DIGIT, 0] {
-        let mut costs = vec![0u64; 1 << DIGIT];
-        for Candidate { gains, units } in candidates {
-            for (gain, &units) in gains.iter().zip(units) {
-                if shift == DIGIT || gain >> DIGIT == found >> DIGIT {
-                    costs[(gain >> shift) as usize % (1 << DIGIT)] += u64::from(units);
+        let count = |mut costs: Vec<u64>, candidates: &[Candidate]| {
+            for Candidate { gains, units } in candidates {
+                for (gain, &units) in gains.iter().zip(units) {
+                    if shift == DIGIT || gain >> DIGIT == found >> DIGIT {
+                        costs[(gain >> shift) as usize % (1 << DIGIT)] += u64::from(units);
+                    }
                 }
             }
-        }
+            costs
+        };
+        let add = |mut all: Vec<u64>, more: Vec<u64>| {
+            all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
+            all
+        };
+        let none = || vec![0; 1 << DIGIT];
+        let costs = candidates.par_chunks(PART).with_min_len(AT_ONCE).fold(none, count).reduce(none, add);
         let mut digit = costs.len() - 1;
         while digit > 0 && costs[digit] <= left {
             left -= costs[digit];

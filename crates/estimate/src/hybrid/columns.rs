@@ -2,7 +2,7 @@
 
 use super::{
     pixels::Pixels,
-    tallies::{Rays, Tally, worth},
+    tallies::{Rays, Tally, worth_of},
 };
 use rayon::prelude::*;
 
@@ -26,7 +26,7 @@ pub(super) struct Columns {
 }
 
 /// Pixels of a part: sums are taken part by part, so that they do not depend on threads.
-const PART: usize = 1 << 13;
+pub(super) const PART: usize = 1 << 13;
 
 impl Columns {
     /// Becomes those of these tallies.
@@ -45,7 +45,7 @@ impl Columns {
             for (k, tally) in tallies.iter().enumerate() {
                 let some = tally.units > 0;
                 let unit_variance = rays.unit_variance(tally);
-                out[0][k] = worth(tally.units as f32);
+                out[0][k] = worth_of(tally.units);
                 out[1][k] = tally.mean();
                 out[2][k] = if some { Rays::variance(unit_variance, tally.units) } else { 0.0 };
                 out[3][k] = unit_variance;

@@ -44,8 +44,7 @@ impl Hybrid {
     pub(super) fn time_rays(&mut self, work: &Work<'_>) {
         let threads = rayon::current_num_threads();
         let wanted = POINTS.max(POINTS_A_THREAD * threads).min(self.covered.div_ceil(TIMED_OF) as usize);
-        let places: Vec<u32> =
-            (0..self.pixels.len() as u32).filter(|&at| self.pixels.is_covered(at as usize)).collect();
+        let places: Vec<u32> = self.pixels.covered().collect();
         let point =
             |k: usize| &work.points[self.pixels.point[places[k * places.len() / wanted] as usize] as usize];
         let time = |units: u32| {

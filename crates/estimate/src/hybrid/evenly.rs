@@ -1,7 +1,7 @@
 //! The same number of rays at every point, each answered by its own: where weighing costs more time than it saves.
 
 use super::{
-    Hybrid, NO_POINT, Order,
+    Hybrid, Order,
     refine::Work,
     shown,
     tallies::{Rays, UNIT},
@@ -14,14 +14,11 @@ impl Hybrid {
     /// Brings all points to as many units as foreseen, step by step; false where nothing was left to do.
     pub(super) fn level(&mut self, work: &Work<'_>, until: f64) -> bool {
         let goal = (self.foreseen / f64::from(UNIT)) as u32;
-        let covered = || self.pixels.place_of.iter().filter(|&&at| at != NO_POINT);
-        let least = covered().map(|&at| self.tallies[at as usize].units).min().unwrap_or(0);
+        let units = |at: u32| self.tallies[at as usize].units;
+        let least = self.pixels.covered().map(units).min().unwrap_or(0);
         let next = goal.min((GROWTH * least).max(self.rays.first));
-        let missing = |&at: &u32| {
-            let had = self.tallies[at as usize].units;
-            (had < next).then(|| Order { at, units: next - had })
-        };
-        let orders: Vec<Order> = covered().filter_map(missing).collect();
+        let missing = |at: u32| (units(at) < next).then(|| Order { at, units: next - units(at) });
+        let orders: Vec<Order> = self.pixels.covered().filter_map(missing).collect();
         if orders.is_empty() {
             return false;
         }

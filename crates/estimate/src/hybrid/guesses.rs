@@ -6,7 +6,7 @@
 use super::{
     cells::{CHANNELS, Channels, Pyramid},
     columns::{Columns, in_parts},
-    pixels::Pixels,
+    pixels::{NO_POINT, Pixels},
     regress::{Fit, REACH, sixteen},
     tallies::Rays,
     weigh::SIZES,
@@ -31,16 +31,21 @@ pub(super) struct Guess {
     pub(super) off: Vec<f32>,
     /// The formal variance where that is told, at most what is enough; else 0.
     pub(super) over: Vec<f32>,
+    /// For each sixteen pixels, whether these cells were asked.
+    asked: Vec<bool>,
 }
 
 /// Guesses from one size after the other, the finest first, where a pixel can use them (see [`Rays::enough`]).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Guesses {
     all: Vec<Guess>,
-    /// The size from which each pixel knows enough.
-    enough: Vec<u8>,
+    /// How many sizes each pixel asks, the finest first: none where there is no point, [`ALL`] until one says enough.
+    asks: Vec<u8>,
     sizes: usize,
 }
+
+/// More sizes than there are.
+const ALL: u8 = SIZES as u8 + 1;
 
 impl Guesses {
     /// Those of each size, as far as they are needed.
@@ -58,8 +63,8 @@ impl Guesses {
         rays: &Rays,
     ) {
         let enough = rays.enough();
-        self.enough.clear();
-        self.enough.resize(pixels.len(), u8::MAX);
+        self.asks.clear();
+        self.asks.extend(pixels.point.iter().map(|&point| if point == NO_POINT { 0 } else { ALL }));
         self.sizes = 0;
         let mut lacking = pixels.place_of.len();
         for size in 0..SIZES {
@@ -70,12 +75,12 @@ impl Guesses {
                 self.all.push(Guess::default());
             }
             let layer = Layer::new(pixels, columns, pyramid, enough, size, false);
-            lacking = self.all[size].make(level, &layer, &mut self.enough);
+            lacking = self.all[size].make(level, &layer, &mut self.asks);
             self.sizes = size + 1;
         }
         // Where no size says enough, whatever says anything counts.
         for (size, guess) in self.all[..self.sizes - 1].iter_mut().enumerate() {
-            guess.make(level, &Layer::new(pixels, columns, pyramid, enough, size, true), &mut self.enough);
+            guess.make(level, &Layer::new(pixels, columns, pyramid, enough, size, true), &mut self.asks);
         }
     }
 }
@@ -110,45 +115,49 @@ impl<'a> Layer<'a> {
         Self { pixels, columns, size, grid, channels, widest: &pyramid.widest, fit, enough, again }
     }
 
-    /// True for a pixel that these cells are asked about.
-    fn is_wanted(&self, at: usize, enough: u8) -> bool {
-        let lacks = if self.again { enough == u8::MAX } else { usize::from(enough) + 1 >= self.size };
-        lacks && self.pixels.is_covered(at)
+    /// The least number of sizes asked by a pixel that asks this one.
+    fn least(&self) -> u8 {
+        if self.again { ALL } else { self.size as u8 + 1 }
     }
 }
 
 impl Guess {
-    /// Looks at cells of one size; tells how many pixels want the next.
-    fn make(&mut self, level: Level, layer: &Layer<'_>, enough: &mut [u8]) -> usize {
+    /// Looks at cells of one size; tells how many pixels ask the next.
+    fn make(&mut self, level: Level, layer: &Layer<'_>, asks: &mut [u8]) -> usize {
         let (pixels, size) = (layer.pixels, layer.size);
         let mut out = [&mut self.value, &mut self.formal, &mut self.off, &mut self.over];
         out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
-        let rows = (pixels.stride << size).max(1);
+        self.asked.resize(pixels.len() / LANES, false);
+        if !layer.again {
+            self.asked.fill(false);
+        }
+        let rows = (pixels.stride << size).max(LANES);
         let window = || Window::new(pixels.stride, size, REACH, CHANNELS);
-        let parts = in_parts(&mut out, rows).into_par_iter().zip(enough.par_chunks_mut(rows));
-        let lacking = parts.enumerate().map_init(window, |window, (row, (mut out, enough))| {
+        let parts = in_parts(&mut out, rows).into_par_iter().zip(asks.par_chunks_mut(rows));
+        let parts = parts.zip(self.asked.par_chunks_mut(rows / LANES));
+        let lacking = parts.enumerate().map_init(window, |window, (row, ((mut out, asks), asked))| {
             let (mut loaded, mut lacking) = (false, 0);
-            for x in (0..enough.len()).step_by(LANES) {
-                let (at, lanes) = (row * rows + x, x..x + LANES);
-                let mut told = layer.again;
-                if lanes.clone().any(|i| layer.is_wanted(row * rows + i, enough[i])) {
+            for (k, (asks, asked)) in asks.chunks_exact_mut(LANES).zip(asked).enumerate() {
+                let (at, lanes) = (row * rows + k * LANES, k * LANES..(k + 1) * LANES);
+                let most = asks.iter().fold(0, |most, &asks| asks.max(most));
+                if most >= layer.least() && !*asked {
                     if !loaded {
                         window.load(&layer.grid, &layer.channels, row, size);
                         loaded = true;
                     }
-                    told |= dispatch!(level, simd => sixteen(simd, layer, window, at, x, &mut out));
+                    *asked = dispatch!(level, simd => sixteen(simd, layer, window, at, k * LANES, &mut out));
                 }
-                if !told {
+                if !*asked {
                     out[1][lanes.clone()].fill(f32::INFINITY);
                     out[2][lanes.clone()].fill(0.0);
-                    out[3][lanes.clone()].fill(0.0);
-                }
-                for i in lanes.filter(|i| pixels.is_covered(row * rows + i)) {
-                    if enough[i] == u8::MAX && out[1][i] <= layer.enough {
-                        enough[i] = size as u8;
+                    out[3][lanes].fill(0.0);
+                } else if !layer.again {
+                    for (asks, &formal) in asks.iter_mut().zip(&out[1][lanes]) {
+                        let enough = *asks == ALL && formal <= layer.enough;
+                        *asks = if enough { size as u8 + 2 } else { *asks };
                     }
-                    lacking += usize::from(usize::from(enough[i]) >= size);
                 }
+                lacking += asks.iter().map(|&asks| usize::from(asks > size as u8 + 1)).sum::<usize>();
             }
             lacking
         });

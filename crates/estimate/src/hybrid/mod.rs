@@ -45,6 +45,7 @@ pub use state::StateError;
 
 use crate::{AoPlan, Choice, Explanation, Round, cpu::INVALID};
 use choose::Order;
+use columns::PART;
 use conray_bvh::Level;
 use conray_core::{Estimate, SurfacePoint};
 use costs::Costs;
@@ -94,7 +95,7 @@ impl Hybrid {
 
     fn new(pixels: Pixels) -> Self {
         Self {
-            covered: pixels.place_of.iter().filter(|&&at| at != NO_POINT).count() as u64,
+            covered: pixels.covered().count() as u64,
             tallies: vec![Tally::default(); pixels.len()],
             units: 0,
             unfinished: Vec::new(),
@@ -124,9 +125,14 @@ impl Hybrid {
 
     /// Expected root mean square error over all points; infinite before the first rays.
     pub fn expected_rmse(&self) -> f64 {
-        let errors = self.pixels.place_of.iter().filter_map(|&at| self.known.error2.get(at as usize));
-        let (sum, count) =
-            errors.fold((0.0, 0u64), |(sum, count), &error2| (sum + f64::from(error2), count + 1));
+        // In parts, so that the sum does not depend on threads.
+        let part = |(points, errors): (&[u32], &[f32])| {
+            let errors = points.iter().zip(errors).filter(|(point, _)| **point != NO_POINT);
+            errors.fold((0.0, 0u64), |(sum, count), (_, &error2)| (sum + f64::from(error2), count + 1))
+        };
+        let parts = self.pixels.point.par_chunks(PART).zip(self.known.error2.par_chunks(PART));
+        let parts: Vec<(f64, u64)> = parts.map(part).collect();
+        let (sum, count) = parts.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
     }
 

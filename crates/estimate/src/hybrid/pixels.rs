@@ -1,7 +1,11 @@
 //! Surface points in an image, component by component, so that neighbours stand side by side.
 
-use super::scattered::Scattered;
+use super::{
+    columns::{PART, in_parts},
+    scattered::Scattered,
+};
 use conray_core::{LANES, SurfacePoint, Vec3};
+use rayon::prelude::*;
 
 /// What is known of each pixel without a ray. Rows are padded to whole vectors; what has no point is not covered.
 #[derive(Clone, Debug)]
@@ -47,37 +51,38 @@ impl Pixels {
         points: &[SurfacePoint],
         [width, height]: [usize; 2],
         distance: f32,
-        cell: impl Fn(usize) -> Option<usize>,
-        footprint: impl Fn(usize) -> f32,
+        cell: impl Fn(usize) -> Option<usize> + Sync,
+        footprint: impl Fn(usize) -> f32 + Sync,
     ) -> Self {
         let unit = unit(points, distance);
         let stride = width.next_multiple_of(LANES);
         let count = stride * height;
-        let mut pixels = Self {
-            width,
-            height,
-            stride,
-            place: std::array::from_fn(|_| vec![0.0; count]),
-            sharpness: vec![0.0; count],
-            point: vec![NO_POINT; count],
-            place_of: vec![NO_POINT; points.len()],
+        let place = |(index, point): (usize, &SurfacePoint)| {
+            let cell = cell(index).filter(|_| point.is_valid());
+            cell.map_or(NO_POINT, |cell| (cell / width * stride + cell % width) as u32)
         };
-        let origin = points.iter().find(|p| p.is_valid()).map_or(Vec3::ZERO, |p| p.position);
-        for (index, point) in points.iter().enumerate().filter(|(_, p)| p.is_valid()) {
-            let Some(cell) = cell(index) else { continue };
-            let at = cell / width * stride + cell % width;
-            let position = (point.position - origin) / unit;
-            for axis in 0..3 {
-                pixels.place[axis][at] = position[axis];
-                pixels.place[3 + axis][at] = point.shading_normal[axis];
-            }
-            let footprint = footprint(index);
-            let footprint = if footprint > 0.0 { footprint / unit } else { UNKNOWN_FOOTPRINT };
-            pixels.sharpness[at] = (1.0 / footprint).clamp(f32::MIN_POSITIVE, SHARPEST);
-            pixels.point[at] = index as u32;
-            pixels.place_of[index] = at as u32;
+        let place_of: Vec<u32> = points.par_iter().enumerate().with_min_len(PART).map(place).collect();
+        let mut point = vec![NO_POINT; count];
+        for (index, &at) in (0..).zip(&place_of).filter(|(_, at)| **at != NO_POINT) {
+            point[at as usize] = index;
         }
-        pixels
+        let origin = points.iter().find(|p| p.is_valid()).map_or(Vec3::ZERO, |p| p.position);
+        let mut columns: [Vec<f32>; 7] = std::array::from_fn(|_| vec![0.0; count]);
+        let parts = in_parts(&mut columns, PART).into_par_iter().zip(point.par_chunks(PART));
+        parts.for_each(|(mut out, indices)| {
+            for (k, &index) in indices.iter().enumerate().filter(|(_, index)| **index != NO_POINT) {
+                let point = &points[index as usize];
+                let (position, normal) = ((point.position - origin) / unit, point.shading_normal);
+                let footprint = footprint(index as usize);
+                let footprint = if footprint > 0.0 { footprint / unit } else { UNKNOWN_FOOTPRINT };
+                let sharpness = (1.0 / footprint).clamp(f32::MIN_POSITIVE, SHARPEST);
+                let of_point =
+                    [position.x, position.y, position.z, normal.x, normal.y, normal.z, sharpness];
+                out.iter_mut().zip(of_point).for_each(|(out, value)| out[k] = value);
+            }
+        });
+        let [px, py, pz, nx, ny, nz, sharpness] = columns;
+        Self { width, height, stride, place: [px, py, pz, nx, ny, nz], sharpness, point, place_of }
     }
 
     /// Places in all.
@@ -87,6 +92,11 @@ impl Pixels {
 
     pub(super) fn is_covered(&self, at: usize) -> bool {
         self.point[at] != NO_POINT
+    }
+
+    /// Places that have a point, in their order.
+    pub(super) fn covered(&self) -> impl Iterator<Item = u32> {
+        (0u32..).zip(&self.point).filter(|(_, point)| **point != NO_POINT).map(|(at, _)| at)
     }
 
     pub(super) fn normal(&self, at: usize) -> Vec3 {
@@ -105,11 +115,9 @@ impl Pixels {
 
 /// The length in which positions are told.
 fn unit(points: &[SurfacePoint], distance: f32) -> f32 {
-    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for point in points.iter().filter(|p| p.is_valid()) {
-        low = low.min(point.position);
-        high = high.max(point.position);
-    }
+    let valid = points.par_iter().with_min_len(PART).filter(|p| p.is_valid()).map(|p| (p.position, p.position));
+    let wider = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let (low, high) = valid.reduce(|| (Vec3::INFINITY, Vec3::NEG_INFINITY), wider);
     let unit = distance.min(0.25 * (high - low).length());
     if unit > 0.0 && unit.is_finite() { unit } else { 1.0 }
 }

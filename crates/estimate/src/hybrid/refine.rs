@@ -1,6 +1,6 @@
 //! Rounds of rays until a budget is spent.
 
-use super::{Hybrid, NO_POINT, Order, UNIT, bundles, choose, tallies::Tally};
+use super::{Hybrid, Order, UNIT, bundles, choose, columns::PART, tallies::Tally};
 use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
@@ -153,9 +153,10 @@ impl Hybrid {
         }
     }
 
-    /// Carries out orders, those that an interrupted round did not; false where they were interrupted again. What is not reached
+    /// Carries out orders, in the order of their places, those that an interrupted round did not; false where they were interrupted again. What is not reached
     /// until that many seconds of the clock is left out.
     pub(super) fn trace(&mut self, work: &Work<'_>, orders: &[Order], until: f64) -> bool {
+        debug_assert!(orders.is_sorted_by_key(|order| order.at));
         let start = Instant::now();
         let done_before = std::mem::take(&mut self.unfinished);
         let (before, all) = (self.rays_of_rounds(), self.foreseen * self.covered as f64);
@@ -192,10 +193,13 @@ impl Hybrid {
             self.unfinished = vec![Tally::default(); self.pixels.len()];
         }
         let kept = if whole { &mut self.tallies } else { &mut self.unfinished };
-        for (order, found) in orders.iter().zip(&found) {
-            debug_assert!(order.at != NO_POINT);
-            kept[order.at as usize].merge(found);
-        }
+        kept.par_chunks_mut(PART).enumerate().for_each(|(part, kept)| {
+            let from = |place: usize| orders.partition_point(|order| (order.at as usize) < place);
+            let these = from(part * PART)..from((part + 1) * PART);
+            for (order, found) in orders[these.clone()].iter().zip(&found[these]) {
+                kept[order.at as usize % PART].merge(found);
+            }
+        });
         whole
     }
 }

@@ -1,10 +1,10 @@
 //! The first rays: a lattice of points, some traced twice to find out how rays err here.
 
 use super::{
-    Hybrid, NO_POINT, Order, Rays, bundles,
+    Hybrid, Order, Rays, bundles,
     refine::Work,
     spread,
-    tallies::{FULL, UNIT, worth},
+    tallies::{FULL, UNIT, worth_of},
 };
 use conray_core::hash_u32;
 use rayon::prelude::*;
@@ -56,11 +56,9 @@ impl Hybrid {
         let share = if rays_per_point < FEW { 1.0 } else { FIRST_SHARE };
         let part = (share * rays_per_point / f64::from(first * UNIT)).max(WIDEST) as f32;
         let stride = self.pixels.stride;
-        let is_in =
-            |at: u32| at != NO_POINT && spread::spread(at as usize % stride, at as usize / stride) < part;
-        let points = self.pixels.place_of.iter().copied();
+        let is_in = |&at: &u32| spread::spread(at as usize % stride, at as usize / stride) < part;
         let lattice: Vec<Order> =
-            points.filter(|&at| is_in(at)).map(|at| Order { at, units: first }).collect();
+            self.pixels.covered().filter(is_in).map(|at| Order { at, units: first }).collect();
         self.rays = unknown(first);
         if self.trace(work, &lattice, f64::INFINITY) {
             self.rays = self.pilot(work, &lattice);
@@ -99,7 +97,7 @@ impl Hybrid {
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
         let found = if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
         let full_to_unit =
-            if in_units > 0.0 { f64::from(worth(FULL as f32)) * in_fulls / in_units } else { 1.0 };
+            if in_units > 0.0 { f64::from(worth_of(FULL)) * in_fulls / in_units } else { 1.0 };
         let [unit, full] = if first == FULL {
             [found * full_to_unit, found]
         } else {
