@@ -100,6 +100,47 @@ impl Bvh {
     }
 }
 
+impl Bvh {
+    /// The surface point at a place of a triangle of an instance, with weights `u` of corner 1 and `v` of corner 2, on its front side.
+    ///
+    /// The front is where the corners go round counter-clockwise, the placement's mirroring counted, or where the vertex normals point in
+    /// files that make the two disagree. A point on the rim is drawn inwards by a few error bounds, so that it is on the
+    /// seen side of a surface that meets the triangle there; the error is the larger for it. `footprint` and `id` are 0. A triangle
+    /// without area gives a point that is not valid.
+    ///
+    /// # Panics
+    /// Where the instance or the triangle does not exist.
+    pub fn front_point(&self, instance: u32, triangle: u32, [u, v]: [f32; 2]) -> SurfacePoint {
+        let corners = self.world_corners(instance, triangle);
+        let on_triangle = triangle_point(&corners, u, v);
+        let error = position_error(&corners, on_triangle);
+        let middle = triangle_point(&corners, 1.0 / 3.0, 1.0 / 3.0);
+        let to_middle = (middle - on_triangle).as_dvec3();
+        let drawn = f64::from(DRAWN_BACK * error).min(to_middle.length());
+        let position = (on_triangle.as_dvec3() + drawn * to_middle.normalize_or_zero()).as_vec3();
+        let placed = &self.geometry.instances()[instance as usize];
+        let mesh = &self.geometry.meshes()[placed.mesh as usize];
+        let mirrored = if wide_matrix(&placed.world_from_mesh).0.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let by_winding = mirrored * plane_normal(&corners).unwrap_or(DVec3::ZERO);
+        let hit = Hit { instance, triangle, u, v, t: 0.0 };
+        // The cofactors carry the sign of the determinant: a mirrored normal comes out turned round.
+        let shading =
+            interpolated_normal(mesh, &hit, &placed.world_from_mesh).map(|normal| mirrored * normal);
+        let geometric = match shading {
+            Some(shading) if shading.dot(by_winding) < 0.0 => -by_winding,
+            _ => by_winding,
+        };
+        SurfacePoint {
+            position,
+            geometric_normal: geometric.as_vec3(),
+            shading_normal: shading.filter(|n| n.dot(geometric) > 0.0).unwrap_or(geometric).as_vec3(),
+            footprint: 0.0,
+            position_error: ((1.0 + DRAWN_BACK) * error + gamma(1) * position.abs().max_element()).next_up(),
+            id: 0,
+        }
+    }
+}
+
 /// Unit normal of a triangle by the right-hand rule on its corners; `None` where they lie on a line.
 fn plane_normal(corners: &[Vec3; 3]) -> Option<DVec3> {
     let [a, b, c] = corners.map(|p| p.as_dvec3());

@@ -28,7 +28,7 @@ pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use epsilon::Epsilon;
 pub use explanation::{Choice, Explanation, Round};
-pub use hybrid::{Hybrid, StateError};
+pub use hybrid::{Hybrid, HybridConstants, StateError};
 pub use meter::{Meter, PROGRESS_UNITS};
 pub use plan::AoPlan;
 pub use settings::{Alpha, AoSettings, Method, Sampling, SettingsError, limits};

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod atlas;
 mod atomic;
 mod camera;
 mod camera_target;
@@ -41,6 +42,7 @@ mod ply;
 mod png;
 mod target;
 
+pub use atlas::{AtlasMap, AtlasTarget, MapSize, Surface};
 pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};
 pub use camera_target::CameraTarget;

@@ -1,6 +1,7 @@
 //! Who gets rays next.
 
 use super::{
+    HybridConstants,
     columns::PART,
     pixels::Pixels,
     spread::spread,
@@ -8,12 +9,6 @@ use super::{
     weigh::Known,
 };
 use rayon::prelude::*;
-
-/// Share of the mean number of rays that every point must have.
-const LEAST_SHARE: f64 = 0.5;
-
-/// A point's first rays count for so much more: they also help its neighbours, and find out where guesses are wrong.
-const FIRST_RAYS: f32 = 4.0;
 
 /// Share of the time of a full bundle that a bundle of no rays takes: a unit takes 0.45 of it.
 const START: f32 = 0.27;
@@ -45,6 +40,7 @@ struct Candidate {
 /// a point has, since sequences are best at powers of two, or make a full bundle of it. Errors are only estimates, so no point is
 /// left far behind the mean.
 pub(super) fn choose(
+    constants: &HybridConstants,
     pixels: &Pixels,
     tallies: &[Tally],
     known: &Known,
@@ -53,11 +49,12 @@ pub(super) fn choose(
     budget: u64,
 ) -> Vec<Order> {
     let (points, lattice) = (pixels.place_of.len().max(1), rays.first);
-    let least = (LEAST_SHARE * had as f64 / (points as f64 * f64::from(lattice))) as u32 * lattice;
+    let least = (f64::from(constants.least_share) * had as f64 / (points as f64 * f64::from(lattice))) as u32
+        * lattice;
     let candidate = |at: usize| {
         if pixels.is_covered(at) {
             let dither = dither(at % pixels.stride, at / pixels.stride);
-            candidate(known, at, tallies[at].units, lattice, least, dither)
+            candidate(constants, known, at, tallies[at].units, [lattice, least], dither)
         } else {
             Candidate::default()
         }
@@ -94,7 +91,14 @@ fn orders_of(part: usize, candidates: &[Candidate], least_gain: u32, left: &mut 
 }
 
 /// The steps of a point that has so many units; one that has less than `least` must take the first.
-fn candidate(known: &Known, at: usize, had: u32, lattice: u32, least: u32, dither: f32) -> Candidate {
+fn candidate(
+    constants: &HybridConstants,
+    known: &Known,
+    at: usize,
+    had: u32,
+    [lattice, least]: [u32; 2],
+    dither: f32,
+) -> Candidate {
     let (guess_error2, unit_variance) = (known.guess_error2[at], known.unit_variance[at]);
     let after = |units| {
         let own = if units == 0 { f32::INFINITY } else { Rays::variance(unit_variance, units) };
@@ -102,7 +106,7 @@ fn candidate(known: &Known, at: usize, had: u32, lattice: u32, least: u32, dithe
     };
     let near = (2 * had).max(1);
     let far = if had > 0 { near.max(FULL) } else { lattice };
-    let first = if had == 0 { FIRST_RAYS } else { 1.0 };
+    let first = if had == 0 { constants.first_rays } else { 1.0 };
     let gain = |from, to| dither * first * (after(from) - after(to)) / (time(to - had) - time(from - had));
     let (step, further) = (gain(had, near), if far > near { gain(near, far) } else { 0.0 });
     let (gains, units) = if further <= step {

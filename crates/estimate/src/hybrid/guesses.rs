@@ -4,6 +4,7 @@
 //! from gain nothing: the choice itself is noisy.
 
 use super::{
+    HybridConstants,
     cells::{CHANNELS, Channels, Pyramid},
     columns::{Columns, in_parts},
     pixels::{NO_POINT, Pixels},
@@ -57,6 +58,7 @@ impl Guesses {
     pub(super) fn make(
         &mut self,
         level: Level,
+        constants: &HybridConstants,
         pixels: &Pixels,
         columns: &Columns,
         pyramid: &Pyramid,
@@ -74,19 +76,21 @@ impl Guesses {
             if self.all.len() == size {
                 self.all.push(Guess::default());
             }
-            let layer = Layer::new(pixels, columns, pyramid, enough, size, false);
+            let layer = Layer::new(constants, pixels, columns, pyramid, enough, size, false);
             lacking = self.all[size].make(level, &layer, &mut self.asks);
             self.sizes = size + 1;
         }
         // Where no size says enough, whatever says anything counts.
         for (size, guess) in self.all[..self.sizes - 1].iter_mut().enumerate() {
-            guess.make(level, &Layer::new(pixels, columns, pyramid, enough, size, true), &mut self.asks);
+            let layer = Layer::new(constants, pixels, columns, pyramid, enough, size, true);
+            guess.make(level, &layer, &mut self.asks);
         }
     }
 }
 
 /// One size of cells, and what is known of the pixels.
 pub(super) struct Layer<'a> {
+    pub(super) constants: &'a HybridConstants,
     pub(super) pixels: &'a Pixels,
     pub(super) columns: &'a Columns,
     /// Cells have `1 << size` pixels a side.
@@ -103,6 +107,7 @@ pub(super) struct Layer<'a> {
 
 impl<'a> Layer<'a> {
     fn new(
+        constants: &'a HybridConstants,
         pixels: &'a Pixels,
         columns: &'a Columns,
         pyramid: &'a Pyramid,
@@ -111,8 +116,8 @@ impl<'a> Layer<'a> {
         again: bool,
     ) -> Self {
         let (grid, channels) = pyramid.grid(pixels, columns, size);
-        let fit = Fit::new(columns.unit);
-        Self { pixels, columns, size, grid, channels, widest: &pyramid.widest, fit, enough, again }
+        let fit = Fit::new(columns.unit, constants);
+        Self { constants, pixels, columns, size, grid, channels, widest: &pyramid.widest, fit, enough, again }
     }
 
     /// The least number of sizes asked by a pixel that asks this one.

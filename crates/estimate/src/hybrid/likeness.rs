@@ -1,17 +1,8 @@
 //! How like two places of a surface are, for sixteen places at a time.
 
-use super::pixels::Pixels;
+use super::{HybridConstants, pixels::Pixels};
 use conray_core::LANES;
 use fearless_simd::{Simd, f32x16, prelude::*};
-
-/// Distance, in units of length, at which likeness has fallen to 1/e, as long as that reaches the neighbours;
-const DISTANCE: f32 = 0.1;
-/// else so many sizes of the cell.
-const CELLS: f32 = 1.5;
-/// The same for the distance from the tangent planes, in sizes of the cell.
-const PLANE: f32 = 0.5;
-/// The same for one less the cosine between the normals: 10 degrees.
-const COSINE: f32 = 0.015;
 
 /// Sixteen places that ask.
 #[derive(Clone, Copy)]
@@ -34,14 +25,20 @@ pub(super) struct Likeness<S: Simd> {
 impl<S: Simd> Centres<S> {
     /// Pixels `at` and on, for cells of `1 << size` pixels.
     #[inline(always)]
-    pub(super) fn load(simd: S, pixels: &Pixels, at: usize, size: usize) -> Self {
+    pub(super) fn load(
+        simd: S,
+        pixels: &Pixels,
+        constants: &HybridConstants,
+        at: usize,
+        size: usize,
+    ) -> Self {
         let [px, py, pz, nx, ny, nz] = &pixels.place;
         // exp(-e) is taken as (1 - e/8)^8: close, cheap, and closed from e = 8 on. An eighth stands at every factor.
         let splat = |x: f32| f32x16::splat(simd, x);
         let sharpness = f32x16::from_slice(simd, &pixels.sharpness[at..at + LANES]);
         let cells = splat((1 << size) as f32) / sharpness.max(splat(f32::MIN_POSITIVE));
-        let reach = cells * splat(CELLS);
-        let by_plane = sharpness * splat(1.0 / ((1 << size) as f32 * PLANE));
+        let reach = cells * splat(constants.cells);
+        let by_plane = sharpness * splat(1.0 / ((1 << size) as f32 * constants.plane));
         Self {
             position: [
                 f32x16::from_slice(simd, &px[at..at + LANES]),
@@ -53,9 +50,9 @@ impl<S: Simd> Centres<S> {
                 f32x16::from_slice(simd, &ny[at..at + LANES]),
                 f32x16::from_slice(simd, &nz[at..at + LANES]),
             ],
-            by_distance: splat(0.125) / (splat(DISTANCE * DISTANCE) + reach * reach),
+            by_distance: splat(0.125) / (splat(constants.distance * constants.distance) + reach * reach),
             by_plane: by_plane * by_plane * splat(0.125),
-            by_cosine: splat(0.125 / COSINE),
+            by_cosine: splat(0.125 / constants.cosine),
         }
     }
 

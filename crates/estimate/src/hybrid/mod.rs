@@ -23,6 +23,7 @@ mod bundles;
 mod cells;
 mod choose;
 mod columns;
+mod constants;
 mod costs;
 mod evenly;
 mod forecast;
@@ -41,6 +42,7 @@ mod told;
 mod weigh;
 mod window;
 
+pub use constants::HybridConstants;
 pub use state::StateError;
 
 use crate::{AoPlan, Choice, Explanation, Round, cpu::INVALID};
@@ -58,6 +60,7 @@ use weigh::{Known, Weigher};
 /// A target under work by method `hybrid`: refined as often as one likes, the same points handed in each time.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
+    constants: HybridConstants,
     pixels: Pixels,
     /// Places that have a point.
     covered: u64,
@@ -95,6 +98,7 @@ impl Hybrid {
 
     fn new(pixels: Pixels) -> Self {
         Self {
+            constants: HybridConstants::default(),
             covered: pixels.covered().count() as u64,
             tallies: vec![Tally::default(); pixels.len()],
             units: 0,
@@ -111,6 +115,11 @@ impl Hybrid {
             foreseen_rmse: None,
             pixels,
         }
+    }
+
+    /// The same work by other constants, for experiments: to be set before the first rays.
+    pub fn with_constants(self, constants: HybridConstants) -> Self {
+        Self { constants, ..self }
     }
 
     /// Rays traced so far.
@@ -154,7 +163,7 @@ impl Hybrid {
     fn weigh(&mut self, level: Level) {
         let start = Instant::now();
         let shown = shown(&self.tallies, &self.unfinished);
-        self.weigher.weigh(level, &self.pixels, &shown, &self.rays, &mut self.known);
+        self.weigher.weigh(level, &self.constants, &self.pixels, &shown, &self.rays, &mut self.known);
         self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
     }
 

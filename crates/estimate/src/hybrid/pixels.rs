@@ -76,8 +76,7 @@ impl Pixels {
                 let footprint = footprint(index as usize);
                 let footprint = if footprint > 0.0 { footprint / unit } else { UNKNOWN_FOOTPRINT };
                 let sharpness = (1.0 / footprint).clamp(f32::MIN_POSITIVE, SHARPEST);
-                let of_point =
-                    [position.x, position.y, position.z, normal.x, normal.y, normal.z, sharpness];
+                let of_point = [position.x, position.y, position.z, normal.x, normal.y, normal.z, sharpness];
                 out.iter_mut().zip(of_point).for_each(|(out, value)| out[k] = value);
             }
         });
@@ -115,7 +114,8 @@ impl Pixels {
 
 /// The length in which positions are told.
 fn unit(points: &[SurfacePoint], distance: f32) -> f32 {
-    let valid = points.par_iter().with_min_len(PART).filter(|p| p.is_valid()).map(|p| (p.position, p.position));
+    let valid =
+        points.par_iter().with_min_len(PART).filter(|p| p.is_valid()).map(|p| (p.position, p.position));
     let wider = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
     let (low, high) = valid.reduce(|| (Vec3::INFINITY, Vec3::NEG_INFINITY), wider);
     let unit = distance.min(0.25 * (high - low).length());

@@ -69,7 +69,8 @@ impl Hybrid {
         if self.started && !self.unfinished.is_empty() && !control.is_cancelled() {
             // An interrupted round is gone on with by what was known when it began.
             let known = &mut self.known;
-            self.weigher.weigh(work.bvh.level(), &self.pixels, &self.tallies, &self.rays, known);
+            let (level, constants) = (work.bvh.level(), &self.constants);
+            self.weigher.weigh(level, constants, &self.pixels, &self.tallies, &self.rays, known);
         }
         loop {
             if control.is_cancelled() {
@@ -132,7 +133,8 @@ impl Hybrid {
             // Another weighing would take more than it gives.
             now = left;
         }
-        let orders = choose::choose(&self.pixels, &self.tallies, &self.known, &self.rays, self.units, now);
+        let Self { constants, pixels, tallies, known, rays, units, .. } = &*self;
+        let orders = choose::choose(constants, pixels, tallies, known, rays, *units, now);
         if orders.is_empty() {
             return false;
         }

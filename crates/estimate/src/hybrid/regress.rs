@@ -4,7 +4,7 @@
 //! function on the tangent plane and read off at the pixel. A ridge keeps the slope finite where the cells do not tell it.
 //! (Local linear fits for noisy pixels: Moon, Carr, Yoon, "Adaptive Rendering Based on Weighted Local Regression", 2014.)
 
-use super::{guesses::Layer, likeness::Centres, weigh::SIZES, window::Window};
+use super::{HybridConstants, guesses::Layer, likeness::Centres, weigh::SIZES, window::Window};
 use conray_core::LANES;
 use fearless_simd::{Select, Simd, f32x16, prelude::*};
 
@@ -15,10 +15,6 @@ const ROWS: usize = 2 * REACH + 1;
 const LEAST_WEIGHT: f32 = 0.05;
 /// Formal variance, in that of a unit, of a guess that says nothing: cells far off to one side.
 const NOTHING: f32 = 1e4;
-/// Slope of visibility that is expected, per unit of length.
-const SLOPE: f32 = 2.0;
-/// Squared difference of visibility that is expected where planes and normals alone make likeness fall to 1/e, over 8.
-const BEND: f32 = 0.01;
 
 /// What the fit expects.
 pub(super) struct Fit {
@@ -30,8 +26,8 @@ pub(super) struct Fit {
 
 impl Fit {
     /// Where the variance of a unit is that on average.
-    pub(super) fn new(unit: f32) -> Self {
-        Self { ridge: unit / (SLOPE * SLOPE), bend: BEND / unit }
+    pub(super) fn new(unit: f32, constants: &HybridConstants) -> Self {
+        Self { ridge: unit / (constants.slope * constants.slope), bend: constants.bend / unit }
     }
 }
 
@@ -62,7 +58,7 @@ pub(super) fn sixteen<S: Simd>(
     if !layer.again && !can_say_enough(simd, layer, window, column_of_image) {
         return false;
     }
-    let centres = Centres::load(simd, layer.pixels, at, size);
+    let centres = Centres::load(simd, layer.pixels, layer.constants, at, size);
     let [[ux, uy, uz], [vx, vy, vz]] = tangents(simd, centres.normal);
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let bend = f32x16::splat(simd, layer.fit.bend);

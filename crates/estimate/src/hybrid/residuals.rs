@@ -7,6 +7,7 @@
 //! one before it as on a few samples.
 
 use super::{
+    HybridConstants,
     likeness::Centres,
     pixels::Pixels,
     told::{Everywhere, FIXED, Told},
@@ -16,13 +17,8 @@ use super::{
 use fearless_simd::{Select, Simd, f32x16, prelude::*};
 use std::ops::Range;
 
-/// The wider neighbourhood counts for that many samples.
-const PRIOR_SAMPLES: f32 = 2.0;
 /// Most doubt about a sample whose rays err more than the guess.
 const MOST_DOUBT: f32 = 1e4;
-
-/// So many standard deviations are no chance: what few rays meet rarely scatters far more than what they meet often.
-const BEYOND_CHANCE: f32 = 8.0;
 
 /// What is known about errors at sixteen pixels.
 pub(super) struct Local<S: Simd> {
@@ -48,14 +44,14 @@ impl<S: Simd> Local<S> {
     pub(super) fn refine(
         &mut self,
         simd: S,
+        constants: &HybridConstants,
         pixels: &Pixels,
-        told: &Told<'_>,
-        window: &Window,
+        (told, window): (&Told<'_>, &Window),
         at: usize,
         sizes: Range<usize>,
     ) {
         let (size, x, place) = (told.size, at % pixels.stride, FIXED + 2 * told.guesses);
-        let centres = Centres::load(simd, pixels, at, size);
+        let centres = Centres::load(simd, pixels, constants, at, size);
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let mut near = [zero; 9];
         let (mut samples, mut unit_variance, mut variance) = (zero, zero, zero);
@@ -74,12 +70,12 @@ impl<S: Simd> Local<S> {
             unit_variance += *near * f32x16::from_slice(simd, window.sixteen(1, to, x, size));
             variance += *near * f32x16::from_slice(simd, window.sixteen(2, to, x, size));
         }
-        let prior = f32x16::splat(simd, PRIOR_SAMPLES);
+        let prior = f32x16::splat(simd, constants.prior_samples);
         self.unit_variance = leaning(simd, [unit_variance, samples], self.unit_variance, samples, prior);
         // Rays that err more than the guess say little of it, unless they find far more than n samples of their own variance
         // scatter by: the square root of 2/n of it.
         let scatter = (f32x16::splat(simd, 2.0) / samples.max(one)).sqrt();
-        let chance = variance * scatter * f32x16::splat(simd, BEYOND_CHANCE);
+        let chance = variance * scatter * f32x16::splat(simd, constants.beyond_chance);
         for guess in sizes {
             let (mut found, mut over) = (zero, zero);
             for (k, &near) in near.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! What rays, neighbours and errors come to: each weighed by its expected squared error.
 
 use super::{
+    HybridConstants,
     cells::Pyramid,
     columns::{Columns, in_parts},
     guesses::{Guess, Guesses},
@@ -22,11 +23,6 @@ pub(super) const SIZES: usize = 5;
 const ERROR_SIZES: [usize; 2] = [2, 4];
 /// Squared error of saying one half where nothing is known.
 const UNKNOWN: f32 = 0.05;
-/// Guesses of many pixels err to the same side, rays do not: from so many units of rays on a guess counts for half as much as its
-/// expected squared error says, so that the mean of all pixels soon is right too.
-const DOUBT_UNITS: f32 = 96.0;
-/// The least that a guess can err: the noise of its neighbours' rays alone, which are a little better together than apart.
-const LEAST_NOISE: f32 = 0.7;
 
 /// What is known of each pixel.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +56,7 @@ impl Weigher {
     pub(super) fn weigh(
         &mut self,
         level: Level,
+        constants: &HybridConstants,
         pixels: &Pixels,
         tallies: &[Tally],
         rays: &Rays,
@@ -68,7 +65,7 @@ impl Weigher {
         let Self { columns, pyramid, guesses, sums } = self;
         columns.fill(pixels, tallies, rays);
         pyramid.build(pixels, columns, SIZES);
-        guesses.make(level, pixels, columns, pyramid, rays);
+        guesses.make(level, constants, pixels, columns, pyramid, rays);
         let of_pixels = Told::of_pixels(pixels, columns, pyramid, guesses);
         for (sums, size) in sums.iter_mut().zip(ERROR_SIZES) {
             sums.fill(pixels, columns, pyramid, &of_pixels, size);
@@ -77,7 +74,7 @@ impl Weigher {
         let mut told = vec![of_pixels];
         told.extend(sums.iter().map(|sums| Told::of_cells(sums, pixels, columns, pyramid)));
         let guesses = guesses.of_sizes();
-        let witnesses = Witnesses { pixels, columns, guesses, told, everywhere, rays };
+        let witnesses = Witnesses { constants, pixels, columns, guesses, told, everywhere, rays };
         let mut out =
             [&mut known.value, &mut known.error2, &mut known.guess_error2, &mut known.unit_variance];
         out.iter_mut().for_each(|out| out.resize(pixels.len(), 0.0));
@@ -105,6 +102,7 @@ impl Weigher {
 
 /// All that is known before it is weighed.
 struct Witnesses<'a> {
+    constants: &'a HybridConstants,
     pixels: &'a Pixels,
     columns: &'a Columns,
     guesses: &'a [Guess],
@@ -124,16 +122,16 @@ fn sixteen<S: Simd>(
     x: usize,
     out: &mut [&mut [f32]],
 ) {
-    let (pixels, columns, rays) = (witnesses.pixels, witnesses.columns, witnesses.rays);
+    let Witnesses { constants, pixels, columns, rays, .. } = *witnesses;
     let splat = |value: f32| f32x16::splat(simd, value);
     let (zero, one) = (splat(0.0), splat(1.0));
     let usable = usable(simd, witnesses.guesses, rays.enough(), at);
     let mut local = Local::everywhere(simd, &witnesses.everywhere);
     for (told, window) in witnesses.told.iter().zip(windows).rev() {
-        local.refine(simd, pixels, told, window, at, usable.sizes.clone());
+        local.refine(simd, constants, pixels, (told, window), at, usable.sizes.clone());
     }
     let unit = local.unit_variance;
-    let least = splat(LEAST_NOISE) * unit;
+    let least = splat(constants.least_noise) * unit;
     let (mut weights, mut value, mut error2) = (zero, zero, zero);
     for size in usable.sizes {
         let guess = &witnesses.guesses[size];
@@ -158,7 +156,7 @@ fn sixteen<S: Simd>(
     let sampled = worth.simd_gt(zero);
     let own_error2 = sampled.select(unit / worth + unseen, one);
     let units = (splat(Rays::UNSEEN) / unseen.max(splat(f32::MIN_POSITIVE))).sqrt();
-    let doubted = found_error2 * (one + units * splat(1.0 / DOUBT_UNITS));
+    let doubted = found_error2 * (one + units * splat(1.0 / constants.doubt_units));
     // One half is said of what nothing is known of, and no rays are pulled there.
     let share = sampled.select(some.select(doubted / (own_error2 + doubted), one), zero);
     let rest = one - share;
