@@ -11,4 +11,4 @@ mod model;
 
 pub use builtin::{BUILTIN_NAMES, builtin};
 pub use files::{CREASE_ANGLE_DEG, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes};
-pub use model::{Scene, Warning, WarningKind};
+pub use model::{Origin, Scene, Warning, WarningKind};

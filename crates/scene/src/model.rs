@@ -14,6 +14,21 @@ pub struct Scene {
     pub views: Vec<View>,
     /// What was mended or ignored; never what made the scene unusable.
     pub warnings: Vec<Warning>,
+    /// Where each instance stands in a glTF document, in the order of the instances; empty for other scenes.
+    pub origins: Vec<Origin>,
+}
+
+/// The place in a glTF document that an instance comes from, by indices of the document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Origin {
+    /// The node that places it.
+    pub node: u32,
+    /// Which of the node's copies it is, where an extension places several; else 0.
+    pub copy: u32,
+    /// The mesh of the node.
+    pub mesh: u32,
+    /// The primitive of that mesh.
+    pub primitive: u32,
 }
 
 /// Something odd that did not stop the work.

@@ -42,7 +42,7 @@ mod ply;
 mod png;
 mod target;
 
-pub use atlas::{AtlasMap, AtlasTarget, MapSize, Surface};
+pub use atlas::{AtlasMap, AtlasTarget, MapSize, Surface, UvUse};
 pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};
 pub use camera_target::CameraTarget;

@@ -69,6 +69,6 @@ impl Assembly {
 
     /// The finished scene.
     pub(crate) fn finish(self) -> Scene {
-        Scene { name: self.name.into(), geometry: self.geometry, views: self.views, warnings: Vec::new() }
+        Scene { name: self.name.into(), geometry: self.geometry, views: self.views, ..Scene::default() }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::support::{Document, count, world_corners};
 use conray_core::{Affine3A, Quat, Vec3};
-use conray_scene::{Limits, WarningKind, load_bytes};
+use conray_scene::{Limits, Origin, WarningKind, load_bytes};
 use serde_json::json;
 use std::f32::consts::FRAC_PI_2;
 
@@ -73,6 +73,34 @@ fn gpu_instances_multiply_a_node() {
     let (a, b) = (Vec3::new(10.0, 0.0, 1.0), Vec3::new(10.0, 0.0, 2.0));
     let expected = [a, a + Vec3::X, a + Vec3::Y, b, b + 4.0 * Vec3::Y, b - 4.0 * Vec3::X];
     assert_near(&world_corners(&scene), &expected);
+}
+
+#[test]
+fn instances_know_where_in_the_document_they_stand() {
+    let mut doc = Document::new();
+    let mesh = doc.triangle();
+    // Points between two primitives of triangles: the indices are those of the document all the same.
+    let primitive = doc.json["meshes"][mesh]["primitives"][0].clone();
+    let mut points = primitive.clone();
+    points["mode"] = json!(0);
+    let several = doc.push("meshes", json!({"primitives": [points, primitive.clone(), primitive]}));
+    let translation = doc.floats(&[0., 0., 1., 0., 0., 2.], "VEC3");
+    doc.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    let instancing = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translation}}});
+    doc.root(json!({"name": "empty"}));
+    doc.root(json!({"mesh": mesh}));
+    doc.root(json!({"mesh": several, "translation": [5, 0, 0], "extensions": instancing}));
+    let scene = doc.load().unwrap();
+    let origin = |node, copy, mesh: usize, primitive| Origin { node, copy, mesh: mesh as u32, primitive };
+    let expected = [
+        origin(1, 0, mesh, 0),
+        origin(2, 0, several, 1),
+        origin(2, 0, several, 2),
+        origin(2, 1, several, 1),
+        origin(2, 1, several, 2),
+    ];
+    assert_eq!(scene.origins, expected);
+    assert_eq!(scene.geometry.instances().len(), expected.len());
 }
 
 #[test]

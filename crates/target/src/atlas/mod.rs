@@ -15,4 +15,5 @@ mod owners;
 mod texels;
 
 pub use map::AtlasMap;
+pub use owners::UvUse;
 pub use texels::{AtlasTarget, MapSize, Surface};

@@ -88,6 +88,36 @@ impl Owners {
     }
 }
 
+/// How UVs lie in a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UvUse {
+    /// Area of all triangles, in shares of the map.
+    pub area: f64,
+    /// Area that is covered more than once, at the least, in shares of the map.
+    pub overlap: f64,
+    /// The first triangle that leaves the map, or has a UV that is not finite.
+    pub outside: Option<usize>,
+}
+
+/// UVs may leave the map by so much of it: rounding of exporters.
+const MARGIN: f32 = 1e-4;
+
+impl UvUse {
+    /// Of these triangles, in shares of the map; overlaps are found in a raster of `side` x `side` texels.
+    pub fn of(uvs: &[[Vec2; 3]], side: u32) -> Self {
+        let inside = |uv: &Vec2| {
+            let within = |x: f32| (-MARGIN..=1.0 + MARGIN).contains(&x);
+            within(uv.x) && within(uv.y)
+        };
+        let outside = uvs.iter().position(|uvs| !uvs.iter().all(inside));
+        let triangles: Vec<[Vec2; 3]> = uvs.iter().map(|uvs| uvs.map(|uv| uv * side as f32)).collect();
+        let owners = Owners::new(&triangles, [side, side], 0.5);
+        let area = |[a, b, c]: &[Vec2; 3]| 0.5 * f64::from((*b - *a).perp_dot(*c - *a).abs());
+        let texels = f64::from(side) * f64::from(side);
+        Self { area: uvs.iter().map(area).sum(), overlap: owners.overlap / texels, outside }
+    }
+}
+
 fn rows_of(band: usize, height: u32) -> Range<u32> {
     let start = band as u32 * BAND;
     start..(start + BAND).min(height)
@@ -145,6 +175,21 @@ mod tests {
         let found = told(1);
         assert!(found.is_sorted_by(|a, b| (a[1], a[0]) < (b[1], b[0])));
         assert_eq!(found, told(3));
+    }
+
+    #[test]
+    fn uvs_are_judged() {
+        let share = |[a, b, c]: [Vec2; 3]| [a, b, c].map(|corner| corner / 100.0);
+        let one: Vec<[Vec2; 3]> = square(10.0, 10.0, 50.0).map(share).to_vec();
+        let found = UvUse::of(&one, 128);
+        assert!((found.area - 0.25).abs() < 1e-6 && found.overlap < 1e-5 && found.outside.is_none());
+        let mut both = one.clone();
+        both.extend(square(35.0, 35.0, 50.0).map(share));
+        let found = UvUse::of(&both, 128);
+        assert!((found.area - 0.5).abs() < 1e-6 && (found.overlap - 0.0625).abs() < 1e-3, "{found:?}");
+        let beyond: Vec<[Vec2; 3]> = [one[0], one[1].map(|uv| uv + Vec2::X), [Vec2::NAN; 3]].to_vec();
+        assert_eq!(UvUse::of(&beyond, 16).outside, Some(1));
+        assert_eq!(UvUse::of(&beyond[2..], 16).outside, Some(0));
     }
 
     #[test]

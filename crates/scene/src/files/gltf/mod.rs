@@ -15,9 +15,9 @@ mod primitive;
 mod schema;
 mod uri;
 
-use crate::WarningKind;
 use crate::files::error::{Fault, shown};
 use crate::files::intake::Intake;
+use crate::{Origin, WarningKind};
 use conray_core::Material;
 use data::{Data, get};
 use materials::Materials;
@@ -74,9 +74,12 @@ pub(super) fn load(bytes: &[u8], intake: &mut Intake) -> Result<(), Fault> {
             Some(instancing) => nodes::instances(&data, instancing, &name, intake.limits)?,
             None => vec![conray_core::Affine3A::IDENTITY],
         };
-        for world_from_mesh in relative.iter().map(|r| place.world_from_node * *r) {
-            for &part in &parts {
-                placer.place(part, world_from_mesh, title, &name, &data, intake)?;
+        for (copy, world_from_copy) in (0..).zip(&relative) {
+            for part in &parts {
+                let world_from_mesh = place.world_from_node * *world_from_copy;
+                placer.place(part.mesh, world_from_mesh, title, &name, &data, intake)?;
+                let (node, mesh) = (place.node as u32, mesh as u32);
+                intake.scene.origins.push(Origin { node, copy, mesh, primitive: part.primitive });
             }
         }
     }
@@ -102,18 +105,25 @@ fn check_extensions(root: &Root) -> Result<(), Fault> {
 /// What makes two primitives the same: attributes that are read, indices, mode, material.
 type PrimitiveKey = (Vec<(String, usize)>, Option<usize>, Option<u32>, u32);
 
+/// A primitive that has triangles: its index in its mesh, and the scene's mesh.
+#[derive(Clone, Copy)]
+struct Part {
+    primitive: u32,
+    mesh: u32,
+}
+
 /// The scene's meshes, each made at its first use.
 struct Meshes<'d> {
     data: &'d Data<'d>,
-    of_mesh: HashMap<usize, Vec<u32>>,
+    of_mesh: HashMap<usize, Vec<Part>>,
     of_primitive: HashMap<PrimitiveKey, Option<u32>>,
     /// The material of primitives without one.
     default: Option<u32>,
 }
 
 impl Meshes<'_> {
-    /// Indices of the scene's meshes that make up a mesh of the document.
-    fn read(&mut self, index: usize, asker: &str, intake: &mut Intake) -> Result<Vec<u32>, Fault> {
+    /// The scene's meshes that make up a mesh of the document.
+    fn read(&mut self, index: usize, asker: &str, intake: &mut Intake) -> Result<Vec<Part>, Fault> {
         if let Some(known) = self.of_mesh.get(&index) {
             return Ok(known.clone());
         }
@@ -121,7 +131,8 @@ impl Meshes<'_> {
         let mut parts = Vec::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let name = format!("mesh {index} primitive {p}");
-            parts.extend(self.primitive(primitive, &name, &mesh.name, intake)?);
+            let found = self.primitive(primitive, &name, &mesh.name, intake)?;
+            parts.extend(found.map(|mesh| Part { primitive: p as u32, mesh }));
         }
         self.of_mesh.insert(index, parts.clone());
         Ok(parts)

@@ -1,0 +1,248 @@
+//! Which maps a model gets, and which surfaces read them by which UVs.
+//!
+//! Surfaces of one material share a map where their UVs let them: all in the unit square and none over another. Where they do not - copies of
+//! one mesh, parts that were all laid out over the whole square - each gets a map of its own. Surfaces that no UV set of theirs suits
+//! are told, with the reason.
+
+use conray_core::{Geometry, Vec2};
+use conray_target::{MapSize, Surface, UvUse};
+use rayon::prelude::*;
+use std::fmt;
+
+/// Texels on each side of the raster in which overlaps are sought.
+const RASTER: u32 = 1024;
+/// Share of the covered area that may be covered twice: less is the rounding of packers.
+const MOST_OVERLAP: f64 = 0.01;
+
+/// A map, and what reads it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Name of the material, made unique; "material 3" where it has none.
+    pub name: String,
+    /// The scene's material.
+    pub material: u32,
+    /// The UV set by which all of its surfaces read it.
+    pub uv_set: usize,
+    /// The scene's instances that read it.
+    pub instances: Vec<u32>,
+    /// Size of the map.
+    pub size: MapSize,
+}
+
+/// Why a UV set cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UvFault {
+    /// There is none.
+    None,
+    /// A triangle leaves the unit square.
+    Outside {
+        /// Which.
+        triangle: usize,
+    },
+    /// Triangles lie over each other.
+    Overlap {
+        /// Share of the covered area.
+        share: f64,
+    },
+    /// All triangles are points or lines.
+    NoArea,
+}
+
+impl fmt::Display for UvFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("it has no UVs"),
+            Self::Outside { triangle } => write!(f, "triangle {triangle} leaves the unit square"),
+            Self::Overlap { share } => write!(f, "{:.1} % of its UVs lie over each other", 100.0 * share),
+            Self::NoArea => f.write_str("its UVs cover nothing"),
+        }
+    }
+}
+
+/// An instance that no UV set suits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unmapped {
+    /// The scene's instance.
+    pub instance: u32,
+    /// What is wrong with its first UV set.
+    pub fault: UvFault,
+}
+
+/// The maps of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sheets {
+    /// In the order of the materials, then of the instances.
+    pub sheets: Vec<Sheet>,
+    /// What got none.
+    pub unmapped: Vec<Unmapped>,
+}
+
+impl Sheets {
+    /// Finds maps of that size for instances of a scene, by the UV sets that they have.
+    pub fn of(geometry: &Geometry, instances: &[u32], size: MapSize) -> Self {
+        let mut groups: Vec<(u32, Vec<u32>)> = Vec::new();
+        for &instance in instances {
+            let material = geometry.mesh_of(instance as usize).material;
+            match groups.iter_mut().find(|(known, _)| *known == material) {
+                Some((_, group)) => group.push(instance),
+                None => groups.push((material, vec![instance])),
+            }
+        }
+        groups.sort_by_key(|(material, _)| *material);
+        let mut found = Self::default();
+        for (material, group) in groups {
+            found.add(geometry, material, group, size);
+        }
+        found
+    }
+
+    fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize) {
+        let mut sheet = |name, uv_set, instances| {
+            self.sheets.push(Sheet { name, material, uv_set, instances, size });
+        };
+        let known = geometry.materials().get(material as usize).map(|material| material.name.clone());
+        let name = known.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {material}"));
+        if let Ok(uv_set) = usable(geometry, &group) {
+            sheet(name, uv_set, group);
+            return;
+        }
+        let each: Vec<Result<usize, UvFault>> =
+            group.par_iter().map(|&instance| usable(geometry, &[instance])).collect();
+        for (&instance, found) in group.iter().zip(each) {
+            match found {
+                Ok(uv_set) => sheet(format!("{name}-{instance}"), uv_set, vec![instance]),
+                Err(fault) => self.unmapped.push(Unmapped { instance, fault }),
+            }
+        }
+    }
+
+    /// The surfaces that read the maps, by instances, in the order of the maps. `v_up` where the first row of an image is at v = 1, as in OBJ files.
+    pub fn surfaces(&self, geometry: &Geometry, v_up: bool) -> Vec<(u32, Surface)> {
+        let of_sheet = |(map, sheet): (usize, &Sheet)| {
+            let surface = |&instance: &u32| {
+                let mut uvs = corner_uvs(geometry, instance, sheet.uv_set);
+                if v_up {
+                    uvs.iter_mut().flatten().for_each(|uv| uv.y = 1.0 - uv.y);
+                }
+                (instance, Surface { map, uvs })
+            };
+            sheet.instances.iter().map(surface).collect::<Vec<_>>()
+        };
+        self.sheets.iter().enumerate().flat_map(of_sheet).collect()
+    }
+}
+
+fn corner_uvs(geometry: &Geometry, instance: u32, uv_set: usize) -> Vec<[Vec2; 3]> {
+    let mesh = geometry.mesh_of(instance as usize);
+    (0..mesh.triangles().len()).map(|triangle| mesh.corner_uvs(triangle, uv_set)).collect()
+}
+
+/// The first UV set by which these instances can read one map; else what is wrong with the first.
+fn usable(geometry: &Geometry, instances: &[u32]) -> Result<usize, UvFault> {
+    let sets = |&instance: &u32| geometry.mesh_of(instance as usize).uv_sets().len();
+    let mut first = Err(UvFault::None);
+    for uv_set in 0..instances.iter().map(sets).min().unwrap_or(0) {
+        let uvs: Vec<[Vec2; 3]> =
+            instances.iter().flat_map(|&instance| corner_uvs(geometry, instance, uv_set)).collect();
+        match judged(&UvUse::of(&uvs, RASTER)) {
+            Ok(()) => return Ok(uv_set),
+            Err(fault) if uv_set == 0 => first = Err(fault),
+            Err(_) => {}
+        }
+    }
+    first
+}
+
+fn judged(found: &UvUse) -> Result<(), UvFault> {
+    match found.outside {
+        Some(triangle) => Err(UvFault::Outside { triangle }),
+        None if found.area <= 0.0 => Err(UvFault::NoArea),
+        None if found.overlap > MOST_OVERLAP * found.area => {
+            Err(UvFault::Overlap { share: found.overlap / found.area })
+        }
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use conray_core::{Affine3A, Material, TriangleMesh, Vec3};
+
+    /// A triangle with a UV set for each corner list.
+    fn mesh(sets: &[[[f32; 2]; 3]], material: u32) -> TriangleMesh {
+        let mesh = TriangleMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).unwrap();
+        let set = |set: &[[f32; 2]; 3]| set.map(Vec2::from_array).to_vec();
+        sets.iter().fold(mesh, |mesh, uvs| mesh.with_uv_set(set(uvs)).unwrap()).with_material(material)
+    }
+
+    const LEFT: [[f32; 2]; 3] = [[0.0, 0.0], [0.5, 0.0], [0.0, 1.0]];
+    const RIGHT: [[f32; 2]; 3] = [[0.9, 0.0], [0.9, 0.5], [0.6, 0.1]];
+    const OUTSIDE: [[f32; 2]; 3] = [[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
+    const LINE: [[f32; 2]; 3] = [[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]];
+    const SIZE: MapSize = MapSize { width: 64, height: 32 };
+
+    fn geometry(meshes: &[(&[[[f32; 2]; 3]], u32)], copies: usize) -> (Geometry, Vec<u32>) {
+        let mut geometry = Geometry::default();
+        for name in ["wood", ""] {
+            geometry.add_material(Material { name: name.into(), ..Material::default() });
+        }
+        let mut instances = Vec::new();
+        for (sets, material) in meshes {
+            let mesh = geometry.add_mesh(mesh(sets, *material)).unwrap();
+            for _ in 0..copies {
+                instances.push(geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap());
+            }
+        }
+        (geometry, instances)
+    }
+
+    fn names(sheets: &Sheets) -> Vec<(&str, usize, &[u32])> {
+        sheets.sheets.iter().map(|sheet| (&sheet.name[..], sheet.uv_set, &sheet.instances[..])).collect()
+    }
+
+    #[test]
+    fn surfaces_of_a_material_share_a_map_where_their_uvs_let_them() {
+        let (geometry, instances) = geometry(&[(&[LEFT], 1), (&[RIGHT], 0), (&[LEFT], 0)], 1);
+        let found = Sheets::of(&geometry, &instances, SIZE);
+        assert_eq!(names(&found), [("wood", 0, &[1, 2][..]), ("material 1", 0, &[0])]);
+        assert!(found.unmapped.is_empty());
+        let surfaces = found.surfaces(&geometry, true);
+        assert_eq!(
+            surfaces.iter().map(|(instance, s)| (*instance, s.map)).collect::<Vec<_>>(),
+            [(1, 0), (2, 0), (0, 1)]
+        );
+        assert_eq!(surfaces[1].1.uvs[0][2], Vec2::new(0.0, 0.0), "rows from the top");
+    }
+
+    #[test]
+    fn copies_get_maps_of_their_own() {
+        let (geometry, instances) = geometry(&[(&[LEFT], 0)], 2);
+        let found = Sheets::of(&geometry, &instances, SIZE);
+        assert_eq!(names(&found), [("wood-0", 0, &[0][..]), ("wood-1", 0, &[1])]);
+        assert_eq!(found.sheets[0].size, SIZE);
+    }
+
+    #[test]
+    fn the_first_uv_set_that_suits_is_taken() {
+        let (geometry, instances) = geometry(&[(&[OUTSIDE, LEFT], 0), (&[LEFT, RIGHT], 0)], 1);
+        assert_eq!(names(&Sheets::of(&geometry, &instances, SIZE)), [("wood", 1, &[0, 1][..])]);
+    }
+
+    #[test]
+    fn what_suits_nothing_is_told() {
+        let cases: [(&[[[f32; 2]; 3]], &str); 4] = [
+            (&[], "it has no UVs"),
+            (&[OUTSIDE], "triangle 0 leaves the unit square"),
+            (&[LINE], "its UVs cover nothing"),
+            (&[LINE, OUTSIDE], "its UVs cover nothing"),
+        ];
+        for (sets, expected) in cases {
+            let (geometry, instances) = geometry(&[(sets, 0)], 1);
+            let found = Sheets::of(&geometry, &instances, SIZE);
+            assert!(found.sheets.is_empty());
+            assert_eq!(found.unmapped[0].fault.to_string(), expected);
+        }
+        assert_eq!(UvFault::Overlap { share: 0.5 }.to_string(), "50.0 % of its UVs lie over each other");
+    }
+}

@@ -1,0 +1,95 @@
+//! Baked texels against what geometry says, texel by texel.
+
+use conray::{AoSettings, Control, Distance, Session};
+use conray_bake::{Sheets, texels};
+use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
+use conray_target::{AtlasMap, MapSize, Target};
+
+/// Texels on each side, and the share of the map that the surface leaves free on each side.
+const SIDE: u32 = 48;
+const MARGIN: f32 = 0.1;
+
+/// A quad from a corner along two edges, its UVs over the map but for the margin.
+fn quad(corner: Vec3, along_u: Vec3, along_v: Vec3) -> TriangleMesh {
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let positions = corners.map(|(u, v)| corner + u * along_u + v * along_v).to_vec();
+    let uvs = corners.map(|(u, v)| Vec2::new(u, v) * (1.0 - 2.0 * MARGIN) + MARGIN).to_vec();
+    TriangleMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap().with_uv_set(uvs).unwrap()
+}
+
+/// Bakes the first of some quads among all of them.
+fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32) -> (AtlasMap, f64) {
+    let mut geometry = Geometry::default();
+    for quad in quads {
+        let mesh = geometry.add_mesh(quad).unwrap();
+        geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
+    }
+    let session = Session::build(geometry, settings).unwrap();
+    let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE });
+    let target = texels(&session, &sheets, supersample, false);
+    let outcome = session.run_target(&target, Control::none()).unwrap();
+    let mut maps = target.resolve(&outcome.estimates).unwrap();
+    (maps.remove(0), outcome.expected_rmse)
+}
+
+/// Root mean square difference of the texels that are read to a function of the place on the quad, from 0 to 1 in both directions.
+fn rmse(map: &AtlasMap, truth: impl Fn(f32, f32) -> f32) -> f32 {
+    let share = |texel: u32| {
+        let uv = (texel as f32 + 0.5) / SIDE as f32;
+        ((uv - MARGIN) / (1.0 - 2.0 * MARGIN)).clamp(0.0, 1.0)
+    };
+    let (mut sum, mut count) = (0.0, 0);
+    for at in (0..SIDE * SIDE).filter(|&at| map.is_read[at as usize]) {
+        sum += (map.visibility[at as usize] - truth(share(at % SIDE), share(at / SIDE))).powi(2);
+        count += 1;
+    }
+    assert_eq!(map.missing(), 0);
+    (sum / count as f32).sqrt()
+}
+
+/// A floor of length 1 beside a wall of height 1 that is very long. Its front is up: u runs along z, v along x.
+fn corner() -> Vec<TriangleMesh> {
+    let floor = quad(Vec3::new(0.0, 0.0, -0.5), Vec3::Z, Vec3::X);
+    let wall = quad(Vec3::new(0.0, 0.0, -500.0), 1000.0 * Vec3::Z, Vec3::Y);
+    vec![floor, wall]
+}
+
+fn by_the_wall(height: f32) -> impl Fn(f32, f32) -> f32 {
+    move |_, away| 0.5 + 0.5 * away / (away * away + height * height).sqrt()
+}
+
+fn settings(rays: u32) -> AoSettings {
+    AoSettings { rays: Some(rays), distance: Distance::Infinite, ..AoSettings::default() }
+}
+
+#[test]
+fn a_floor_beside_a_wall() {
+    let (map, expected) = baked(corner(), &settings(256), 1);
+    let found = rmse(&map, by_the_wall(1.0));
+    assert!(found < 0.006, "{found}");
+    assert!((f64::from(found) / expected).abs() < 1.6, "{found}, {expected} expected");
+    // The same against another wall: the comparison can fail.
+    assert!(rmse(&map, by_the_wall(1.2)) > 0.02);
+}
+
+#[test]
+fn divided_texels_are_as_right() {
+    let (map, _) = baked(corner(), &settings(64), 2);
+    let found = rmse(&map, by_the_wall(1.0));
+    assert!(found < 0.008, "{found}");
+}
+
+#[test]
+fn a_floor_under_a_ceiling_that_reaches_nowhere_else() {
+    // A large ceiling at height 1 over the middle of the floor: by its form factor (Howell, "A Catalog of Radiation Heat Transfer
+    // Configuration Factors", B-3: a rectangle parallel to an element under its corner), four times a quarter of it.
+    let floor = quad(Vec3::new(-0.01, 0.0, -0.01), 0.02 * Vec3::Z, 0.02 * Vec3::X);
+    let ceiling = quad(Vec3::new(-2.0, 1.0, -2.0), 4.0 * Vec3::Z, 4.0 * Vec3::X);
+    let (map, _) = baked(vec![floor, ceiling], &settings(1024), 1);
+    let (a, b) = (2.0f32, 2.0f32);
+    let (p, q) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+    let quarter = (a / p * (b / p).atan() + b / q * (a / q).atan()) / std::f32::consts::TAU;
+    let found = rmse(&map, |_, _| 1.0 - 4.0 * quarter);
+    assert!(found < 0.003, "{found} about {}", 1.0 - 4.0 * quarter);
+    assert!(rmse(&map, |_, _| 1.0 - 4.1 * quarter) > 0.01);
+}
