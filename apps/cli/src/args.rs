@@ -11,7 +11,7 @@ pub(crate) use study::StudyArgs;
 
 use clap::{Args, Parser, Subcommand};
 use conray::AoSettings;
-use parse::{parse_bytes, parse_size};
+use parse::{parse_bytes, parse_side_or_size, parse_size};
 use std::path::PathBuf;
 
 /// Ambient occlusion by combining voxel cone tracing with ray tracing.
@@ -35,6 +35,9 @@ pub(crate) enum Command {
     /// Renders the ambient occlusion that a camera sees
     #[command(after_help = EXIT_CODES)]
     Render(RenderArgs),
+    /// Bakes the ambient occlusion of a model into textures
+    #[command(after_help = EXIT_CODES)]
+    Bake(BakeArgs),
     /// Estimates visibility at the vertices of a PLY file
     #[command(after_help = EXIT_CODES)]
     Sample(SampleArgs),
@@ -68,6 +71,31 @@ pub(crate) struct RenderArgs {
     pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) ao: AoArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct BakeArgs {
+    /// The model: .glb, .gltf or .obj, with UVs in the unit square that do not lie over each other
+    pub(crate) model: PathBuf,
+    /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; or .png, a map for each material
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Size of each map in texels, such as 2048 or 2048x1024
+    #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
+    pub(crate) size: (u32, u32),
+    /// Texels by which islands are extended; without it until they meet
+    #[arg(long, value_name = "N")]
+    pub(crate) padding: Option<u32>,
+    /// Divides each texel into N x N parts, each asked about by itself
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub(crate) supersample: u32,
+    /// Bits per sample of the maps
+    #[arg(long, value_name = "8|16", default_value = "8", value_parser = clap::builder::PossibleValuesParser::new(["8", "16"]))]
+    pub(crate) bits: String,
     #[command(flatten)]
     pub(crate) ao: AoArgs,
     #[command(flatten)]

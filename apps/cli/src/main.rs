@@ -1,6 +1,7 @@
 //! The `conray` program: thin over the library. It reads options, carries out one command and reports.
 
 mod args;
+mod bake;
 mod compare;
 mod explain;
 mod failure;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
     }
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Bake(args) => bake::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Study(args) => study::run(&args),

@@ -1,18 +1,26 @@
 //! Ambient occlusion baked into models.
 //!
 //! ```text
-//! Scene -> sheets.rs: which maps, read by which surfaces -> texels.rs: an AtlasTarget -> Session -> AtlasMap
+//! Scene -> sheets.rs: which maps, read by which surfaces -> places.rs: an AtlasTarget -> Session -> AtlasMap
 //!                                                                                                     |
-//! model file -> document/: glTF kept as it is written <--------------- a map becomes an occlusion texture
+//! model file -> document/: glTF kept as it is written <- assign.rs: a map becomes an occlusion texture <------+
 //! ```
 //!
-//! [`Sheets`] finds the maps of a model, [`texels`] the places to ask about; [`Document`] is a glTF file that is changed in a few places and
+//! buried.rs tells which texels lie inside other geometry: they are filled from their neighbours.
+//!
+//! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result; [`Document`] is a glTF file that is changed in a few places and
 //! stays as it was in all others.
 
+mod assign;
+mod buried;
 mod document;
+mod places;
 mod sheets;
-mod texels;
+mod write;
 
+pub use assign::{AssignError, assign};
+pub use buried::buried;
 pub use document::{Document, DocumentError, Files, Kind};
+pub use places::Places;
 pub use sheets::{Sheet, Sheets, Unmapped, UvFault};
-pub use texels::texels;
+pub use write::{WriteError, Written, file_names, png, write_model};

@@ -10,5 +10,7 @@ mod known;
 mod model;
 
 pub use builtin::{BUILTIN_NAMES, builtin};
-pub use files::{CREASE_ANGLE_DEG, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes};
+pub use files::{
+    CREASE_ANGLE_DEG, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes, percent_decoded,
+};
 pub use model::{Origin, Scene, Warning, WarningKind};

@@ -42,7 +42,9 @@ mod ply;
 mod png;
 mod target;
 
-pub use atlas::{AtlasMap, AtlasTarget, MapSize, Surface, UvUse};
+pub use atlas::{
+    AtlasMap, AtlasTarget, Corner, MapSize, Seam, SeamReport, SeamSide, Surface, UvUse, level, seams,
+};
 pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};
 pub use camera_target::CameraTarget;

@@ -9,6 +9,18 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected WIDTHxHEIGHT, each from 1 to 65536, such as 1280x720".into())
 }
 
+/// Largest side of a map that is baked.
+const MAX_MAP_SIDE: u32 = 16384;
+
+pub(super) fn parse_side_or_size(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.trim().parse().ok().filter(|&n| (1..=MAX_MAP_SIDE).contains(&n));
+    let size = match text.split_once(['x', 'X']) {
+        Some((width, height)) => side(width).zip(side(height)),
+        None => side(text).map(|side| (side, side)),
+    };
+    size.ok_or_else(|| format!("expected texels from 1 to {MAX_MAP_SIDE}, such as 2048 or 2048x1024"))
+}
+
 pub(super) fn parse_point(text: &str) -> Result<Vec3, String> {
     let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
     match numbers[..] {
@@ -49,6 +61,9 @@ mod tests {
     fn sizes_points_and_bytes() {
         assert_eq!(parse_size("640x480"), Ok((640, 480)));
         assert!(["", "640", "0x1", "1x70000", "axb", "-1x5"].iter().all(|t| parse_size(t).is_err()));
+        assert_eq!(parse_side_or_size("2048"), Ok((2048, 2048)));
+        assert_eq!(parse_side_or_size("64x16384"), Ok((64, 16384)));
+        assert!(["", "0", "100000", "16385x4", "x", "-3"].iter().all(|t| parse_side_or_size(t).is_err()));
         assert_eq!(parse_point("1, -2,3e1"), Ok(Vec3::new(1.0, -2.0, 30.0)));
         assert!(["", "1,2", "1,2,3,4", "1,,3", "a,b,c", "1,2,inf"].iter().all(|t| parse_point(t).is_err()));
         for (text, seconds) in [("2s", 2.0), ("1.5", 1.5), ("500ms", 0.5), ("2m", 120.0), ("-1 s", -1.0)] {

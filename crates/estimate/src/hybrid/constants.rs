@@ -39,9 +39,9 @@ impl Default for HybridConstants {
             distance: 0.1,
             cells: 1.5,
             plane: 0.5,
-            // 10 degrees.
-            cosine: 0.015,
-            slope: 2.0,
+            // 14 degrees.
+            cosine: 0.03,
+            slope: 1.4,
             bend: 0.01,
             prior_samples: 2.0,
             beyond_chance: 8.0,

@@ -66,6 +66,11 @@ pub fn load_bytes(
         .map_err(|fault| SceneError { path: name.into(), fault })
 }
 
+/// The file name that a URI of a glTF stands for: `%xx` is the byte of that value (RFC 3986, section 2.1).
+pub fn percent_decoded(uri: &str) -> String {
+    String::from_utf8_lossy(&gltf::percent_decoded(uri)).into_owned()
+}
+
 fn load_named(
     path: &Path,
     bytes: &[u8],

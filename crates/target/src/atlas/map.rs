@@ -1,7 +1,7 @@
 //! Maps of values, one a texel.
 
 use super::grow::{Known, grow};
-use conray_core::Vec3;
+use conray_core::{Vec2, Vec3};
 
 /// What a map holds for each texel, rows from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,9 +34,33 @@ impl AtlasMap {
         }
     }
 
+    /// Visibility at a place, between four texels, as a renderer reads it; beyond the map that of its rim.
+    pub fn read(&self, uv: Vec2) -> f32 {
+        self.taps(uv).map(|(at, weight)| weight * self.visibility[at]).sum()
+    }
+
+    /// The texels that a renderer reads at a place, and how much each counts; those that count for nothing are left out.
+    pub(super) fn taps(&self, uv: Vec2) -> impl Iterator<Item = (usize, f32)> {
+        let place = uv * Vec2::new(self.width as f32, self.height as f32) - 0.5;
+        let (first, share) = (place.floor(), place - place.floor());
+        let [width, height] = [self.width, self.height].map(|side| side as f32);
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].into_iter().filter_map(move |(dx, dy)| {
+            let along = |share: f32, other: f32| if other > 0.0 { share } else { 1.0 - share };
+            let weight = along(share.x, dx) * along(share.y, dy);
+            let x = (first.x + dx).clamp(0.0, width - 1.0);
+            let y = (first.y + dy).clamp(0.0, height - 1.0);
+            (weight > 0.0).then_some((y as usize * width as usize + x as usize, weight))
+        })
+    }
+
     /// Texels that a surface reads and that have no value.
     pub fn missing(&self) -> usize {
         self.is_read.iter().zip(&self.visibility).filter(|(read, value)| **read && value.is_nan()).count()
+    }
+
+    /// Gives values to texels that surfaces read and that have none, from their own island, however far.
+    pub fn fill(&mut self) {
+        self.grow(None, true);
     }
 
     /// Gives values to texels that have none, from those about them: first to those that surfaces read, from their own island however far, then
@@ -92,6 +116,17 @@ mod tests {
         let one =
             |value: &f32| if value.is_nan() { '.' } else { char::from(b'0' + (value * 10.0).round() as u8) };
         map.visibility.iter().map(one).collect()
+    }
+
+    #[test]
+    fn places_between_texels_are_read_between_their_values() {
+        let map = map("246");
+        let read = |x: f32| map.read(Vec2::new(x / 3.0, 0.5));
+        for (x, expected) in
+            [(0.5, 0.2), (1.0, 0.3), (1.75, 0.45), (0.1, 0.2), (2.9, 0.6), (-7.0, 0.2), (9.0, 0.6)]
+        {
+            assert!((read(x) - expected).abs() < 1e-5, "{} at {x}", read(x));
+        }
     }
 
     #[test]

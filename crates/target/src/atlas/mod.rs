@@ -6,14 +6,19 @@
 //!                                                     |  estimates
 //!    map.rs: values of texels <- resolve <------------+
 //!    grow.rs: islands extended until they meet
+//!    seams.rs: the two sides of cuts in a smooth surface, compared; level.rs: and made to agree
 //! ```
 
 mod coverage;
 mod grow;
+mod level;
 mod map;
 mod owners;
+mod seams;
 mod texels;
 
+pub use level::level;
 pub use map::AtlasMap;
 pub use owners::UvUse;
+pub use seams::{Corner, Seam, SeamReport, SeamSide, seams};
 pub use texels::{AtlasTarget, MapSize, Surface};

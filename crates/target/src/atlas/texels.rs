@@ -35,12 +35,15 @@ pub struct AtlasTarget {
     points: Vec<SurfacePoint>,
     /// For each point its texel, counted through all maps, and how much it counts for there.
     texels: Vec<(u32, f32)>,
+    /// For each point the surface that it lies on.
+    surfaces: Vec<u32>,
     unusable: usize,
 }
 
 /// A part of a texel, and the point that stands for it.
 struct Sample {
     texel: u32,
+    surface: u32,
     area: f32,
     off: f32,
     point: SurfacePoint,
@@ -59,8 +62,14 @@ impl AtlasTarget {
         point: impl Fn(usize, usize, [f32; 3]) -> SurfacePoint + Sync,
     ) -> Self {
         let fine = supersample.max(1);
-        let mut target =
-            Self { overlaps: Vec::new(), points: Vec::new(), texels: Vec::new(), unusable: 0, sizes };
+        let mut target = Self {
+            sizes,
+            overlaps: Vec::new(),
+            points: Vec::new(),
+            texels: Vec::new(),
+            surfaces: Vec::new(),
+            unusable: 0,
+        };
         let mut first = 0u32;
         for (map, &MapSize { width, height }) in target.sizes.clone().iter().enumerate() {
             let scale = Vec2::new((width * fine) as f32, (height * fine) as f32);
@@ -75,7 +84,8 @@ impl AtlasTarget {
                 let (surface, triangle) = whose[index as usize];
                 let [x, y] = touched.texel.map(|place| place / fine);
                 let point = point(surface, triangle, touched.weights);
-                Sample { texel: first + y * width + x, area: touched.area, off: touched.off, point }
+                let texel = first + y * width + x;
+                Sample { texel, surface: surface as u32, area: touched.area, off: touched.off, point }
             };
             target.overlaps.push(owners.overlap / f64::from(fine * fine));
             let mut samples = owners.each(&triangles, sample).concat_bands();
@@ -83,7 +93,7 @@ impl AtlasTarget {
                 samples.par_sort_by_key(|sample| sample.texel);
                 samples = chosen(samples);
             }
-            for Sample { texel, area, point, .. } in samples {
+            for Sample { texel, surface, area, point, .. } in samples {
                 if !point.is_valid() {
                     target.unusable += 1;
                     continue;
@@ -92,6 +102,7 @@ impl AtlasTarget {
                 let id = if fine > 1 { part } else { texel };
                 target.points.push(SurfacePoint { id, footprint: point.footprint / fine as f32, ..point });
                 target.texels.push((texel, if area > 0.0 { area } else { 1.0 }));
+                target.surfaces.push(surface);
             }
             first += width * height;
         }
@@ -108,9 +119,9 @@ impl AtlasTarget {
         self.unusable
     }
 
-    /// The texel that each point stands for, counted through all maps.
-    pub fn texels(&self) -> impl Iterator<Item = u32> {
-        self.texels.iter().map(|(texel, _)| *texel)
+    /// The surface that each point lies on.
+    pub fn surfaces(&self) -> &[u32] {
+        &self.surfaces
     }
 }
 

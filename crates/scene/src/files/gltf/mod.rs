@@ -25,6 +25,7 @@ use place::Placer;
 use primitive::read_primitive;
 use schema::{Primitive, Root};
 use std::collections::HashMap;
+pub(super) use uri::percent_decoded;
 
 /// Extensions that a file may require: those that are read, and those that change no geometry and no opacity.
 ///

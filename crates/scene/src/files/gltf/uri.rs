@@ -43,7 +43,7 @@ fn decode_data(inline: &str) -> Result<Vec<u8>, String> {
 }
 
 /// Replaces `%xx` by the byte of that value (RFC 3986, section 2.1).
-fn percent_decoded(text: &str) -> Vec<u8> {
+pub(crate) fn percent_decoded(text: &str) -> Vec<u8> {
     let digit = |b: Option<&u8>| b.and_then(|b| char::from(*b).to_digit(16)).map(|d| d as u8);
     let bytes = text.as_bytes();
     let (mut out, mut at) = (Vec::with_capacity(bytes.len()), 0);

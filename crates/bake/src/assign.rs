@@ -1,0 +1,235 @@
+//! Occlusion textures into a document: whole materials where a map is all of a material's, copies of materials and meshes where not.
+
+use crate::{Document, DocumentError, Sheets};
+use conray_scene::Origin;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use thiserror::Error;
+
+/// Why maps cannot be written into a document.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum AssignError {
+    /// The document itself.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A node places copies of a mesh, and one material cannot show several maps.
+    #[error("node {0} places several copies of its mesh, which cannot have maps of their own")]
+    Copies(u32),
+}
+
+/// A primitive as a node shows it.
+type Place = (u32, u32);
+
+/// Makes a texture for each sheet the occlusion of its surfaces. `origins` are those of the scene's instances ([`conray_scene::Scene::origins`]).
+///
+/// A material that no other surface of the document uses is changed; else a copy of it is made for the sheet's surfaces, and a copy of the mesh
+/// for nodes that show it with another map. All that is added stands at the ends of the document's lists.
+///
+/// # Errors
+/// A document whose parts are not what they must be, and copies of one node with different maps.
+pub fn assign(
+    document: &mut Document,
+    origins: &[Origin],
+    sheets: &Sheets,
+    textures: &[usize],
+) -> Result<(), AssignError> {
+    let mut material_of: BTreeMap<Place, usize> = BTreeMap::new();
+    for (sheet, &texture) in sheets.sheets.iter().zip(textures) {
+        let places: BTreeSet<Place> = sheet
+            .instances
+            .iter()
+            .map(|&instance| (origins[instance as usize].node, origins[instance as usize].primitive))
+            .collect();
+        if let Some(&(node, _)) = places.iter().find(|place| material_of.contains_key(place)) {
+            return Err(AssignError::Copies(node));
+        }
+        let before =
+            places.iter().map(|&place| material(document, place)).collect::<Result<BTreeSet<_>, _>>()?;
+        let own = match before.first().copied().flatten() {
+            Some(index) if users(document, index) == places.len() => index,
+            Some(index) => {
+                let mut copy = document.element("materials", index)?.clone();
+                copy.insert("name".into(), sheet.name.clone().into());
+                document.push("materials", Value::Object(copy))?
+            }
+            None => document.push("materials", json!({ "name": sheet.name }))?,
+        };
+        document.set_occlusion(own, texture, sheet.uv_set)?;
+        material_of.extend(places.into_iter().map(|place| (place, own)));
+    }
+    show(document, &material_of)
+}
+
+/// The primitives of the document, each as every node shows it, that use a material: how many.
+fn users(document: &Document, material: usize) -> usize {
+    let uses_it = |primitive: &Value| primitive.get("material").and_then(index) == Some(material);
+    let in_mesh = |mesh: usize| {
+        let primitives =
+            document.root().get("meshes").and_then(|meshes| meshes.get(mesh)?.get("primitives")?.as_array());
+        primitives.map_or(0, |all| all.iter().filter(|primitive| uses_it(primitive)).count())
+    };
+    // A mesh that no node shows uses it all the same.
+    (0..document.count("meshes")).map(|mesh| in_mesh(mesh) * nodes_of(document, mesh).len().max(1)).sum()
+}
+
+fn index(value: &Value) -> Option<usize> {
+    value.as_u64().and_then(|value| usize::try_from(value).ok())
+}
+
+fn mesh_of(document: &Document, node: u32) -> Result<usize, DocumentError> {
+    let place = || format!("nodes/{node}/mesh");
+    let node = document.element("nodes", node as usize)?;
+    node.get("mesh").and_then(index).ok_or_else(|| DocumentError::Missing(place()))
+}
+
+fn nodes_of(document: &Document, mesh: usize) -> Vec<u32> {
+    let shows = |&node: &u32| mesh_of(document, node).ok() == Some(mesh);
+    (0..document.count("nodes") as u32).filter(shows).collect()
+}
+
+/// The material of a primitive as it is written.
+fn material(document: &Document, (node, primitive): Place) -> Result<Option<usize>, DocumentError> {
+    let mesh = mesh_of(document, node)?;
+    let place = || format!("meshes/{mesh}/primitives/{primitive}");
+    let found =
+        document.element("meshes", mesh)?.get("primitives").and_then(|all| all.get(primitive as usize));
+    let found = found.ok_or_else(|| DocumentError::Missing(place()))?;
+    Ok(found.get("material").and_then(index))
+}
+
+/// Gives nodes the materials that were found for their primitives; a mesh that several nodes would show differently is copied.
+fn show(document: &mut Document, material_of: &BTreeMap<Place, usize>) -> Result<(), AssignError> {
+    for mesh in 0..document.count("meshes") {
+        // The primitives that change, for each node that shows the mesh.
+        let mut wanted: Vec<(u32, Vec<(u32, usize)>)> = Vec::new();
+        for node in nodes_of(document, mesh) {
+            let of_node = material_of.range((node, 0)..=(node, u32::MAX));
+            let mut changes = Vec::new();
+            for (&(_, primitive), &new) in of_node {
+                if material(document, (node, primitive))? != Some(new) {
+                    changes.push((primitive, new));
+                }
+            }
+            wanted.push((node, changes));
+        }
+        let mut versions: Vec<Vec<(u32, usize)>> = Vec::new();
+        for (_, changes) in &wanted {
+            if !versions.contains(changes) {
+                versions.push(changes.clone());
+            }
+        }
+        // The mesh itself stays as it was where a node shows it so, else it becomes the first version.
+        versions.sort_by_key(|changes| !changes.is_empty());
+        let original = document.element("meshes", mesh)?.clone();
+        for (version, changes) in versions.iter().enumerate() {
+            let shown = match version {
+                0 => mesh,
+                _ => document.push("meshes", Value::Object(original.clone()))?,
+            };
+            let changed = document.element_mut("meshes", shown)?;
+            for &(primitive, material) in changes {
+                if let Some(Value::Object(primitive)) =
+                    changed.get_mut("primitives").and_then(|all| all.get_mut(primitive as usize))
+                {
+                    primitive.insert("material".into(), material.into());
+                }
+            }
+            for (node, _) in wanted.iter().filter(|(_, wanted)| version > 0 && wanted == changes) {
+                document.element_mut("nodes", *node as usize)?.insert("mesh".into(), shown.into());
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sheet;
+    use conray_target::MapSize;
+
+    /// Materials `a` and `b`; mesh 0 has a primitive of `a` and one of none, mesh 1 one of `b`; nodes 0 and 1 show mesh 0, node 2 mesh 1.
+    const TEXT: &str = r#"{"asset":{"version":"2.0"},
+        "materials":[{"name":"a","extras":1},{"name":"b","occlusionTexture":{"index":0,"strength":0.5}}],
+        "meshes":[{"primitives":[{"material":0},{}]},{"name":"m","primitives":[{"material":1}]}],
+        "nodes":[{"mesh":0},{"mesh":0,"name":"n"},{"mesh":1}]}"#;
+
+    fn origins() -> Vec<Origin> {
+        let origin = |node, mesh, primitive| Origin { node, copy: 0, mesh, primitive };
+        vec![origin(0, 0, 0), origin(0, 0, 1), origin(1, 0, 0), origin(1, 0, 1), origin(2, 1, 0)]
+    }
+
+    fn sheets(of: &[&[u32]]) -> Sheets {
+        let sheet = |(k, instances): (usize, &&[u32])| Sheet {
+            name: format!("sheet {k}"),
+            material: 0,
+            uv_set: k,
+            instances: instances.to_vec(),
+            size: MapSize { width: 4, height: 4 },
+        };
+        Sheets { sheets: of.iter().enumerate().map(sheet).collect(), unmapped: Vec::new() }
+    }
+
+    fn assigned(of: &[&[u32]]) -> Value {
+        let mut document = Document::open(TEXT.as_bytes()).unwrap();
+        let textures: Vec<usize> = (0..of.len()).map(|k| 10 + k).collect();
+        assign(&mut document, &origins(), &sheets(of), &textures).unwrap();
+        Value::Object(document.root().clone())
+    }
+
+    /// The texture that a node's primitive shows.
+    fn shown(root: &Value, node: usize, primitive: usize) -> Option<u64> {
+        let mesh = root["nodes"][node]["mesh"].as_u64()? as usize;
+        let material = root["meshes"][mesh]["primitives"][primitive]["material"].as_u64()? as usize;
+        root["materials"][material]["occlusionTexture"]["index"].as_u64()
+    }
+
+    #[test]
+    fn a_map_of_all_of_a_material_changes_that_material_alone() {
+        let root = assigned(&[&[4]]);
+        let before: Value = serde_json::from_str(TEXT).unwrap();
+        assert_eq!(shown(&root, 2, 0), Some(10));
+        assert_eq!(
+            root["materials"][1]["occlusionTexture"]["strength"],
+            before["materials"][1]["occlusionTexture"]["strength"]
+        );
+        assert_eq!((&root["meshes"], &root["nodes"]), (&before["meshes"], &before["nodes"]));
+        assert_eq!(root["materials"].as_array().unwrap().len(), 2);
+    }
+
+    #[test]
+    fn nodes_that_share_a_mesh_get_maps_of_their_own() {
+        let root = assigned(&[&[0], &[2], &[1], &[3]]);
+        let found = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(node, primitive)| shown(&root, node, primitive));
+        assert_eq!(found, [Some(10), Some(11), Some(12), Some(13)]);
+        assert_eq!(root["meshes"].as_array().unwrap().len(), 3);
+        assert_eq!(root["materials"][0]["occlusionTexture"], Value::Null, "the material as it was stays");
+        assert_eq!(
+            (&root["materials"][2]["extras"], &root["materials"][2]["name"]),
+            (&json!(1), &json!("sheet 0"))
+        );
+        assert_eq!(root["nodes"][1]["name"], "n");
+        assert_eq!(shown(&root, 2, 0), Some(0), "another mesh stays");
+    }
+
+    #[test]
+    fn a_node_that_gets_no_map_keeps_its_mesh() {
+        let root = assigned(&[&[2]]);
+        assert_eq!((shown(&root, 1, 0), shown(&root, 0, 0)), (Some(10), None));
+        assert_eq!(root["nodes"][0]["mesh"], 0);
+        let before: Value = serde_json::from_str(TEXT).unwrap();
+        assert_eq!(root["meshes"][0], before["meshes"][0]);
+    }
+
+    #[test]
+    fn copies_of_one_node_cannot_differ() {
+        let mut document = Document::open(TEXT.as_bytes()).unwrap();
+        let copy = |copy| Origin { node: 2, copy, mesh: 1, primitive: 0 };
+        let found = assign(&mut document, &[copy(0), copy(1)], &sheets(&[&[0], &[1]]), &[0, 1]);
+        assert_eq!(found, Err(AssignError::Copies(2)));
+        let mut document = Document::open(br#"{"nodes":[{}],"meshes":[]}"#).unwrap();
+        let origin = Origin { node: 0, copy: 0, mesh: 0, primitive: 0 };
+        let found = assign(&mut document, &[origin], &sheets(&[&[0]]), &[0]).unwrap_err();
+        assert_eq!(found.to_string(), "`nodes/0/mesh` does not exist");
+    }
+}

@@ -1,0 +1,146 @@
+//! What a bake writes: PNG maps, and models that show them.
+
+use crate::{AssignError, Document, Kind, Sheets, assign};
+use conray_scene::Origin;
+use conray_target::{AtlasMap, PngDepth, TargetError, encode_png, write_atomically};
+use std::{
+    collections::BTreeSet,
+    fs, io,
+    path::{Component, Path, PathBuf},
+};
+use thiserror::Error;
+
+/// Why a baked model is not written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The document cannot show the maps.
+    #[error(transparent)]
+    Assign(#[from] AssignError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Target(#[from] TargetError),
+    /// A file that the model needs cannot be copied beside it.
+    #[error("{}: cannot be copied to {}: {reason}", from.display(), to.display())]
+    Copy {
+        /// The file.
+        from: PathBuf,
+        /// Where it should go.
+        to: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// A map as a grey PNG: linear visibility, 1 is white. What has no value is white.
+pub fn png(map: &AtlasMap, depth: PngDepth) -> Vec<u8> {
+    let values: Vec<f32> = map.visibility.iter().map(|&v| if v.is_nan() { 1.0 } else { v }).collect();
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, map.width, map.height, &values, depth)
+        .expect("maps have a size, and memory takes all");
+    bytes
+}
+
+/// Names for the files of sheets: those of the sheets with only letters, digits, `-`, `_` and `.`, each once.
+pub fn file_names(sheets: &Sheets) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let name = |wanted: &str| {
+        let wanted: String = wanted.chars().map(plain).collect();
+        let mut name = wanted.trim_start_matches('.').to_string();
+        for more in 2.. {
+            // Names that differ in case only are the same file on some systems.
+            if !name.is_empty() && taken.insert(name.to_lowercase()) {
+                break;
+            }
+            name = format!("{wanted}-{more}");
+        }
+        name
+    };
+    sheets.sheets.iter().map(|sheet| sheet.name.as_str()).map(name).collect()
+}
+
+/// What was written, and what was not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Files, the model last.
+    pub files: Vec<PathBuf>,
+    /// Names of files that the document has and that were not copied beside it: missing, or outside its folder.
+    pub not_copied: Vec<String>,
+}
+
+/// Writes a model that shows its maps, and beside a text document the files that it gained and, in another folder, those that it had. Files are whole
+/// or not there; the model itself comes last.
+///
+/// # Errors
+/// What the document or the disc refuses; files that were written before stay.
+pub fn write_model(
+    path: &Path,
+    source: &Path,
+    mut document: Document,
+    origins: &[Origin],
+    sheets: &Sheets,
+    maps: &[AtlasMap],
+    depth: PngDepth,
+) -> Result<Written, WriteError> {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut textures = Vec::new();
+    for (name, map) in file_names(sheets).iter().zip(maps) {
+        let texture = document.push_png(png(map, depth), &format!("{stem}-{name}-ao"));
+        textures.push(texture.map_err(AssignError::from)?);
+    }
+    assign(&mut document, origins, sheets, &textures)?;
+    let bytes = document.to_bytes().map_err(AssignError::from)?;
+    let mut written = Written::default();
+    if document.kind() == Kind::Text {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let files = document.files();
+        for uri in &files.had {
+            match copied(source.parent().unwrap_or(Path::new("")), folder, uri)? {
+                Copied::Yes(path) => written.files.push(path),
+                Copied::IsThere => {}
+                Copied::No => written.not_copied.push(uri.clone()),
+            }
+        }
+        for (name, bytes) in &files.added {
+            let to = folder.join(name);
+            write_atomically(&to, |out| out.write_all(bytes))?;
+            written.files.push(to);
+        }
+    }
+    write_atomically(path, |out| out.write_all(&bytes))?;
+    written.files.push(path.to_path_buf());
+    Ok(written)
+}
+
+/// What became of a file that a document names.
+enum Copied {
+    Yes(PathBuf),
+    /// It is where it should be.
+    IsThere,
+    No,
+}
+
+/// Copies a file that a document names into another folder, unless it would lie outside that folder.
+fn copied(from: &Path, to: &Path, uri: &str) -> Result<Copied, WriteError> {
+    let name = PathBuf::from(conray_scene::percent_decoded(uri));
+    let is_inside = name.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    let (from, to) = (from.join(&name), to.join(&name));
+    if !from.is_file() || !is_inside {
+        return Ok(if same(&from, &to) { Copied::IsThere } else { Copied::No });
+    }
+    if same(&from, &to) {
+        return Ok(Copied::IsThere);
+    }
+    let fault = |e: io::Error| WriteError::Copy { from: from.clone(), to: to.clone(), reason: e.to_string() };
+    let bytes = fs::read(&from).map_err(fault)?;
+    if let Some(folder) = to.parent() {
+        fs::create_dir_all(folder).map_err(fault)?;
+    }
+    write_atomically(&to, |out| out.write_all(&bytes))?;
+    Ok(Copied::Yes(to))
+}
+
+/// True for two names of one file that is there.
+fn same(a: &Path, b: &Path) -> bool {
+    matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}

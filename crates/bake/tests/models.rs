@@ -1,0 +1,84 @@
+//! Baked models on a disc: what is written beside what, and what other readers make of it.
+
+use conray::{AoSettings, Control, Session};
+use conray_bake::{Document, Places, Sheets, Written, write_model};
+use conray_scene::{Limits, load};
+use conray_target::{MapSize, PngDepth, Target};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Two quads at a right angle, by one mesh that two nodes show, in a text document with a buffer beside it and an image that is not there.
+fn write_source(folder: &Path) -> PathBuf {
+    let positions: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let uvs: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let mut bin: Vec<u8> =
+        positions.iter().flatten().chain(uvs.iter().flatten()).flat_map(|x| x.to_le_bytes()).collect();
+    bin.extend([0u16, 1, 2, 0, 2, 3].iter().flat_map(|x| x.to_le_bytes()));
+    fs::write(folder.join("a quad.bin"), &bin).unwrap();
+    let text = r#"{"asset":{"version":"2.0","generator":"by hand"},"scene":0,"scenes":[{"nodes":[0,1]}],
+        "nodes":[{"mesh":0},{"mesh":0,"rotation":[-0.70710678,0,0,0.70710678],"translation":[0,0,1.0]}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2,"material":0}]}],
+        "materials":[{"name":"two/sided","emissiveTexture":{"index":0}}],"textures":[{"source":0}],
+        "images":[{"uri":"missing.png"}],"extras":{"kept":0.01},
+        "buffers":[{"uri":"a%20quad.bin","byteLength":92}],
+        "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":32},
+            {"buffer":0,"byteOffset":80,"byteLength":12}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+            {"bufferView":1,"componentType":5126,"count":4,"type":"VEC2"},
+            {"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}]}"#;
+    let path = folder.join("quad.gltf");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn bake(source: &Path, to: &Path) -> Written {
+    let scene = load(source, &Limits::default()).unwrap();
+    let settings = AoSettings { rays: Some(64), ..AoSettings::default() };
+    let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
+    let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 });
+    let session = Session::build(scene.geometry, &settings).unwrap();
+    let texels = Places::of(session.geometry(), &sheets, false).texels(&session, 1);
+    let outcome = session.run_target(&texels, Control::none()).unwrap();
+    let mut maps = texels.resolve(&outcome.estimates).unwrap();
+    maps.iter_mut().for_each(|map| map.extend(None));
+    let document = Document::open(&fs::read(source).unwrap()).unwrap();
+    write_model(to, source, document, &scene.origins, &sheets, &maps, PngDepth::Eight).unwrap()
+}
+
+fn names(written: &Written) -> Vec<String> {
+    written.files.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect()
+}
+
+#[test]
+fn a_model_in_another_folder_has_its_files_beside_it() {
+    let (from, to) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let source = write_source(from.path());
+    let out = to.path().join("baked.gltf");
+    let written = bake(&source, &out);
+    let expected = ["a quad.bin", "baked-two-sided-0-ao.png", "baked-two-sided-1-ao.png", "baked.gltf"]
+        .map(String::from);
+    assert_eq!(names(&written), expected);
+    assert_eq!(written.not_copied, ["missing.png"]);
+    let scene = load(&out, &Limits::default()).unwrap();
+    assert_eq!(scene.geometry.triangle_count(), 4);
+    let document = Document::open(&fs::read(&out).unwrap()).unwrap();
+    assert_eq!(document.root()["extras"].to_string(), r#"{"kept":0.01}"#);
+    // The two nodes show different maps, which are dark where they meet.
+    let map = |name: &str| conray_target::read_png(to.path().join(name)).unwrap();
+    let (standing, lying) = (map(&expected[1]), map(&expected[2]));
+    let row = |values: &[f32], y: usize| values[y * 16..][..16].iter().sum::<f32>() / 16.0;
+    assert!(row(&standing.values, 0) < 0.75 && row(&standing.values, 15) > 0.9, "{:?}", standing.values);
+    assert!(standing.values != lying.values);
+}
+
+#[test]
+fn a_model_in_its_own_folder_shares_the_files_that_are_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = write_source(folder.path());
+    let before = fs::read(&source).unwrap();
+    let written = bake(&source, &folder.path().join("baked.gltf"));
+    assert_eq!(names(&written).len(), 3, "{:?}", names(&written));
+    assert_eq!(fs::read(&source).unwrap(), before);
+}
