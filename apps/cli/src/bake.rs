@@ -146,8 +146,8 @@ fn no_uvs(unmapped: &Unmapped, sheets: &Sheets, name: &str) -> Failure {
     let count = sheets.unmapped.len();
     let name = if name.is_empty() { format!("surface {}", unmapped.instance) } else { name.to_string() };
     Failure::Input(format!(
-        "{count} surfaces have no UV set that a map can use; the first is {name}: {}. Unwrap them into a set of their own, without \
-         overlaps and within the unit square",
+        "{count} surfaces have no UV set that a map can use; the first is {name}: {}. Unwrap them into a set of their own, within the unit \
+         square and without overlaps",
         unmapped.fault
     ))
 }

@@ -166,6 +166,7 @@ mod tests {
             uv_set: k,
             instances: instances.to_vec(),
             size: MapSize { width: 4, height: 4 },
+            repeats: false,
         };
         Sheets { sheets: of.iter().enumerate().map(sheet).collect(), unmapped: Vec::new() }
     }

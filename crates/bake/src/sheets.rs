@@ -1,6 +1,7 @@
 //! Which maps a model gets, and which surfaces read them by which UVs.
 //!
-//! Surfaces of one material share a map where their UVs let them: all in the unit square and none over another. Where they do not - copies of
+//! Surfaces of one material share a map where their UVs let them: each triangle within one tile, as textures that repeat are read, and none over
+//! another. Where they do not - copies of
 //! one mesh, parts that were all laid out over the whole square - each gets a map of its own. Surfaces that no UV set of theirs suits
 //! are told, with the reason.
 
@@ -27,6 +28,8 @@ pub struct Sheet {
     pub instances: Vec<u32>,
     /// Size of the map.
     pub size: MapSize,
+    /// True where triangles stand whole tiles away from the unit square: the map is to be repeated.
+    pub repeats: bool,
 }
 
 /// Why a UV set cannot be used.
@@ -34,7 +37,7 @@ pub struct Sheet {
 pub enum UvFault {
     /// There is none.
     None,
-    /// A triangle leaves the unit square.
+    /// A triangle reaches over several tiles of its texture.
     Outside {
         /// Which.
         triangle: usize,
@@ -52,7 +55,9 @@ impl fmt::Display for UvFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::None => f.write_str("it has no UVs"),
-            Self::Outside { triangle } => write!(f, "triangle {triangle} leaves the unit square"),
+            Self::Outside { triangle } => {
+                write!(f, "triangle {triangle} reaches over several tiles of its texture")
+            }
             Self::Overlap { share } => write!(f, "{:.1} % of its UVs lie over each other", 100.0 * share),
             Self::NoArea => f.write_str("its UVs cover nothing"),
         }
@@ -97,8 +102,10 @@ impl Sheets {
     }
 
     fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize) {
-        let mut sheet = |name, uv_set, instances| {
-            self.sheets.push(Sheet { name, material, uv_set, instances, size });
+        let mut sheet = |name, uv_set, instances: Vec<u32>| {
+            let tiles = |&instance: &u32| tiles(geometry, instance, uv_set).any(|tile| tile != Vec2::ZERO);
+            let repeats = instances.iter().any(tiles);
+            self.sheets.push(Sheet { name, material, uv_set, instances, size, repeats });
         };
         let known = geometry.materials().get(material as usize).map(|material| material.name.clone());
         let name = known.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {material}"));
@@ -132,9 +139,20 @@ impl Sheets {
     }
 }
 
+/// The tile in which the middle of each triangle lies.
+fn tiles(geometry: &Geometry, instance: u32, uv_set: usize) -> impl Iterator<Item = Vec2> {
+    let mesh = geometry.mesh_of(instance as usize);
+    (0..mesh.triangles().len()).map(move |triangle| {
+        let [a, b, c] = mesh.corner_uvs(triangle, uv_set);
+        ((a + b + c) / 3.0).floor()
+    })
+}
+
+/// UVs of the triangles' corners, each triangle moved by whole tiles into the unit square.
 fn corner_uvs(geometry: &Geometry, instance: u32, uv_set: usize) -> Vec<[Vec2; 3]> {
     let mesh = geometry.mesh_of(instance as usize);
-    (0..mesh.triangles().len()).map(|triangle| mesh.corner_uvs(triangle, uv_set)).collect()
+    let moved = |(triangle, tile): (usize, Vec2)| mesh.corner_uvs(triangle, uv_set).map(|uv| uv - tile);
+    tiles(geometry, instance, uv_set).enumerate().map(moved).collect()
 }
 
 /// The first UV set by which these instances can read one map; else what is wrong with the first.
@@ -230,10 +248,20 @@ mod tests {
     }
 
     #[test]
+    fn triangles_a_whole_tile_away_are_read_from_a_map_that_repeats() {
+        let away = LEFT.map(|[u, v]| [u + 3.0, v - 1.0]);
+        let (geometry, instances) = geometry(&[(&[away], 0), (&[RIGHT], 0)], 1);
+        let found = Sheets::of(&geometry, &instances, SIZE);
+        assert_eq!(names(&found), [("wood", 0, &[0, 1][..])]);
+        assert!(found.sheets[0].repeats);
+        assert_eq!(found.surfaces(&geometry, false)[0].1.uvs[0], LEFT.map(Vec2::from_array));
+    }
+
+    #[test]
     fn what_suits_nothing_is_told() {
         let cases: [(&[[[f32; 2]; 3]], &str); 4] = [
             (&[], "it has no UVs"),
-            (&[OUTSIDE], "triangle 0 leaves the unit square"),
+            (&[OUTSIDE], "triangle 0 reaches over several tiles of its texture"),
             (&[LINE], "its UVs cover nothing"),
             (&[LINE, OUTSIDE], "its UVs cover nothing"),
         ];

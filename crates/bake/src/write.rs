@@ -84,8 +84,8 @@ pub fn write_model(
 ) -> Result<Written, WriteError> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut textures = Vec::new();
-    for (name, map) in file_names(sheets).iter().zip(maps) {
-        let texture = document.push_png(png(map, depth), &format!("{stem}-{name}-ao"));
+    for ((sheet, name), map) in sheets.sheets.iter().zip(file_names(sheets)).zip(maps) {
+        let texture = document.push_png(png(map, depth), &format!("{stem}-{name}-ao"), sheet.repeats);
         textures.push(texture.map_err(AssignError::from)?);
     }
     assign(&mut document, origins, sheets, &textures)?;

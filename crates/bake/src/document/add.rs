@@ -3,10 +3,11 @@
 use super::{Document, DocumentError, Kind};
 use serde_json::{Map, Value, json};
 
-/// Linear, as most renderers take textures without a sampler; edges are clamped, since islands end there.
+/// Linear, as most renderers take textures without a sampler.
 const LINEAR: u32 = 9729;
 const LINEAR_MIPMAP_LINEAR: u32 = 9987;
 const CLAMP_TO_EDGE: u32 = 33071;
+const REPEAT: u32 = 10497;
 /// Component type of floats.
 const FLOAT: u32 = 5126;
 
@@ -75,12 +76,13 @@ impl Document {
         self.push("accessors", accessor)
     }
 
-    /// Adds a PNG image and a texture of it, clamped at its edges; tells the texture. `name` is that of the image, and of a text document's
-    /// file.
+    /// Adds a PNG image and a texture of it, that repeats or else is clamped at its edges; tells the texture. `name` is that of the image,
+    /// and of a text document's file.
     ///
     /// # Errors
     /// Where the document's lists are none.
-    pub fn push_png(&mut self, png: Vec<u8>, name: &str) -> Result<usize, DocumentError> {
+    pub fn push_png(&mut self, png: Vec<u8>, name: &str, repeats: bool) -> Result<usize, DocumentError> {
+        let wrap = if repeats { REPEAT } else { CLAMP_TO_EDGE };
         let image = match self.kind {
             Kind::Binary => {
                 let view = self.push_bytes(&png, name)?;
@@ -95,7 +97,7 @@ impl Document {
         };
         let image = self.push("images", image)?;
         let sampler = json!({
-            "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
+            "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR, "wrapS": wrap, "wrapT": wrap
         });
         let known = (0..self.count("samplers")).find(|&k| self.root["samplers"][k] == sampler);
         let sampler = match known {
@@ -159,7 +161,7 @@ mod tests {
     #[test]
     fn a_binary_document_keeps_all_in_its_chunk() {
         let mut document = binary();
-        let texture = document.push_png(b"PNG-1".to_vec(), "ao").unwrap();
+        let texture = document.push_png(b"PNG-1".to_vec(), "ao", true).unwrap();
         let accessor = document.push_floats(&[[0.5, 1.0], [2.0, 3.0]], "ao").unwrap();
         assert_eq!((texture, accessor), (0, 0));
         let again = Document::open(&document.to_bytes().unwrap()).unwrap();
@@ -175,14 +177,15 @@ mod tests {
         assert!(view(1)["byteOffset"].as_u64().unwrap().is_multiple_of(4));
         assert_eq!(again.root()["buffers"][0]["byteLength"].as_u64(), Some(again.bin.len() as u64));
         assert_eq!(again.root()["images"][0]["mimeType"], "image/png");
+        assert_eq!(again.root()["samplers"][0]["wrapS"], REPEAT);
         assert_eq!(document.files(), Files::default());
     }
 
     #[test]
     fn a_text_document_gains_files_and_knows_those_it_had() {
         let mut document = Document::open(TEXT.as_bytes()).unwrap();
-        document.push_png(b"PNG".to_vec(), "ao-m").unwrap();
-        document.push_png(b"PNG".to_vec(), "ao-n").unwrap();
+        document.push_png(b"PNG".to_vec(), "ao-m", false).unwrap();
+        document.push_png(b"PNG".to_vec(), "ao-n", false).unwrap();
         assert_eq!((document.count("samplers"), document.count("textures")), (2, 2), "one sampler for both");
         document.push_floats(&[[1.0]], "ao").unwrap();
         let files = document.files();
