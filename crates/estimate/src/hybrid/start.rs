@@ -17,7 +17,7 @@ const FEW: f64 = 8.0;
 /// Least share of points in the lattice: one in 16 x 16.
 const WIDEST: f64 = 1.0 / 256.0;
 /// From so many rays a point on, the points of the lattice get full bundles, which cost less for each ray.
-pub(super) const MANY: f64 = 48.0;
+pub(super) const MANY: f64 = 32.0;
 /// Points that are traced again at most, and for how many units of the lattice one is.
 const PAIRS: usize = 2048;
 const PAIR_OF: usize = 128;
