@@ -79,7 +79,7 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct BakeArgs {
-    /// The model: .glb, .gltf or .obj, with UVs in the unit square that do not lie over each other
+    /// The model: .glb, .gltf or .obj. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
     pub(crate) model: PathBuf,
     /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; or .png, a map for each material
     #[arg(short, long, value_name = "FILE")]
@@ -87,6 +87,9 @@ pub(crate) struct BakeArgs {
     /// Size of each map in texels, such as 2048 or 2048x1024
     #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
     pub(crate) size: (u32, u32),
+    /// Makes no new UVs: refuses a model whose UVs lie over each other or reach over several tiles
+    #[arg(long)]
+    pub(crate) no_unwrap: bool,
     /// Texels by which islands are extended; without it until they meet
     #[arg(long, value_name = "N")]
     pub(crate) padding: Option<u32>,

@@ -13,7 +13,7 @@ use conray::{
     scene::{self, Format, Scene},
     target::{self, AtlasMap, MapSize, PngDepth, SeamReport, Target},
 };
-use conray_bake::{Document, Places, Sheets, Unmapped, file_names, png, write_model};
+use conray_bake::{Document, Origins, Places, Sheets, Unmapped, Unwrap, file_names, png, write_model};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -40,10 +40,15 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
 
     let scene = scene::load(&args.model, &scene::Limits::default())?;
     reporter.scene_warnings(&scene);
-    let Scene { name, geometry, origins, .. } = scene;
+    let Scene { name, geometry, origins, sources, .. } = scene;
     let instances: Vec<u32> = (0..geometry.instances().len() as u32).collect();
     let (width, height) = args.size;
-    let sheets = Sheets::of(&geometry, &instances, MapSize { width, height });
+    // New UVs are of use only where they are written too.
+    let unwrap = match &output {
+        Output::Model(_) if !args.no_unwrap => Unwrap::Yes,
+        _ => Unwrap::No,
+    };
+    let sheets = Sheets::of(&geometry, &instances, MapSize { width, height }, unwrap);
     if let Some(unmapped) = sheets.unmapped.first() {
         return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
     }
@@ -80,6 +85,10 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     let files = match output {
         Output::Maps => write_maps(&args.output, &sheets, &maps, depth)?,
         Output::Model(document) => {
+            let instances = session.geometry().instances();
+            let vertices: Vec<&[u32]> =
+                instances.iter().map(|instance| &sources[instance.mesh as usize][..]).collect();
+            let origins = Origins { instances: &origins, vertices: &vertices };
             let written = write_model(&args.output, &args.model, document, &origins, &sheets, &maps, depth)
                 .map_err(|e| Failure::Work(format!("{}: {e}", args.output.display())))?;
             for name in written.not_copied {
@@ -147,7 +156,7 @@ fn no_uvs(unmapped: &Unmapped, sheets: &Sheets, name: &str) -> Failure {
     let name = if name.is_empty() { format!("surface {}", unmapped.instance) } else { name.to_string() };
     Failure::Input(format!(
         "{count} surfaces have no UV set that a map can use; the first is {name}: {}. Unwrap them into a set of their own, within the unit \
-         square and without overlaps",
+         square and without overlaps, or bake a glTF without --no-unwrap",
         unmapped.fault
     ))
 }
@@ -183,7 +192,7 @@ fn lines(
     let (width, height) = args.size;
     let maps = if sheets.sheets.len() == 1 { "map" } else { "maps" };
     let mut lines = vec![format!(
-        "{name}: {} triangles, {} {maps} of {width} x {height}, {} points, AO distance {}",
+        "{name}: {} triangles, {} {maps} of at most {width} x {height}, {} points, AO distance {}",
         session.geometry().triangle_count(),
         sheets.sheets.len(),
         outcome.estimates.len(),

@@ -1,8 +1,8 @@
 //! Occlusion textures into a document: whole materials where a map is all of a material's, copies of materials and meshes where not.
 
-use crate::{Document, DocumentError, Sheets};
+use crate::{Buffers, Document, DocumentError, Sheets, Uvs};
 use conray_scene::Origin;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
@@ -20,31 +20,48 @@ pub enum AssignError {
 /// A primitive as a node shows it.
 type Place = (u32, u32);
 
-/// Makes a texture for each sheet the occlusion of its surfaces. `origins` are those of the scene's instances ([`conray_scene::Scene::origins`]).
+/// What writing needs to know of the scene that a document became.
+#[derive(Clone, Copy, Debug)]
+pub struct Origins<'a> {
+    /// Where the instances stand ([`conray_scene::Scene::origins`]).
+    pub instances: &'a [Origin],
+    /// The vertices that are to be written for each instance's mesh ([`conray_scene::Scene::sources`], by the instances).
+    pub vertices: &'a [&'a [u32]],
+}
+
+/// Makes a texture for each sheet the occlusion of its surfaces.
 ///
 /// A material that no other surface of the document uses is changed; else a copy of it is made for the sheet's surfaces, and a copy of the mesh
-/// for nodes that show it with another map. All that is added stands at the ends of the document's lists.
+/// for nodes that show it with another map. Surfaces that were laid out anew get vertices of their own, with all that the ones before had and the new UVs.
+/// All that is added stands at the ends of the document's lists. `name` is that of a file that a text document gains.
 ///
 /// # Errors
 /// A document whose parts are not what they must be, and copies of one node with different maps.
 pub fn assign(
     document: &mut Document,
-    origins: &[Origin],
+    origins: &Origins<'_>,
     sheets: &Sheets,
     textures: &[usize],
+    buffers: &Buffers,
+    name: &str,
 ) -> Result<(), AssignError> {
-    let mut material_of: BTreeMap<Place, usize> = BTreeMap::new();
+    let mut wanted: BTreeMap<Place, Value> = BTreeMap::new();
     for (sheet, &texture) in sheets.sheets.iter().zip(textures) {
-        let places: BTreeSet<Place> = sheet
-            .instances
-            .iter()
-            .map(|&instance| (origins[instance as usize].node, origins[instance as usize].primitive))
-            .collect();
-        if let Some(&(node, _)) = places.iter().find(|place| material_of.contains_key(place)) {
+        let place = |&instance: &u32| {
+            let origin = &origins.instances[instance as usize];
+            (origin.node, origin.primitive)
+        };
+        let places: BTreeSet<Place> = sheet.instances.iter().map(place).collect();
+        let copied = places.iter().find(|place| wanted.contains_key(place));
+        if let Some(&(node, _)) =
+            copied.or_else(|| places.first().filter(|_| places.len() < sheet.instances.len()))
+        {
             return Err(AssignError::Copies(node));
         }
-        let before =
-            places.iter().map(|&place| material(document, place)).collect::<Result<BTreeSet<_>, _>>()?;
+        let before = places
+            .iter()
+            .map(|&place| Ok(primitive(document, place)?.get("material").and_then(index)))
+            .collect::<Result<BTreeSet<_>, DocumentError>>()?;
         let own = match before.first().copied().flatten() {
             Some(index) if users(document, index) == places.len() => index,
             Some(index) => {
@@ -54,10 +71,58 @@ pub fn assign(
             }
             None => document.push("materials", json!({ "name": sheet.name }))?,
         };
-        document.set_occlusion(own, texture, sheet.uv_set)?;
-        material_of.extend(places.into_iter().map(|place| (place, own)));
+        document.set_occlusion(own, texture, sheet.uvs.set())?;
+        for (k, instance) in sheet.instances.iter().enumerate() {
+            let mut changed = primitive(document, place(instance))?.clone();
+            changed.insert("material".into(), own.into());
+            if let Uvs::New { set, of } = &sheet.uvs {
+                let source = origins.vertices[*instance as usize];
+                let vertices: Vec<u32> =
+                    of[k].vertices.iter().map(|&vertex| source[vertex as usize]).collect();
+                split(document, &mut changed, &vertices, buffers, name)?;
+                let uvs: Vec<[f32; 2]> = of[k].uvs.iter().map(|uv| uv.to_array()).collect();
+                let uvs = document.push_floats(&uvs, name)?;
+                if let Some(Value::Object(attributes)) = changed.get_mut("attributes") {
+                    attributes.insert(format!("TEXCOORD_{set}"), uvs.into());
+                }
+                let indices = document.push_indices(of[k].triangles.as_flattened(), name)?;
+                changed.insert("indices".into(), indices.into());
+            }
+            wanted.insert(place(instance), Value::Object(changed));
+        }
     }
-    show(document, &material_of)
+    show(document, &wanted)
+}
+
+/// Gives a primitive these vertices of those that it had, as a list of triangles.
+fn split(
+    document: &mut Document,
+    primitive: &mut Map<String, Value>,
+    vertices: &[u32],
+    buffers: &Buffers,
+    name: &str,
+) -> Result<(), DocumentError> {
+    primitive.remove("mode");
+    if let Some(Value::Object(extensions)) = primitive.get_mut("extensions") {
+        // What it compresses is what was there before.
+        extensions.remove("KHR_draco_mesh_compression");
+    }
+    let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
+    let mut lists: Vec<Value> = targets.map(std::mem::take).unwrap_or_default();
+    let has_targets = !lists.is_empty();
+    lists.push(primitive.remove("attributes").unwrap_or_default());
+    for attributes in lists.iter_mut().filter_map(Value::as_object_mut) {
+        for accessor in attributes.values_mut() {
+            let of = index(accessor)
+                .ok_or_else(|| DocumentError::Missing("the accessor of an attribute".into()))?;
+            *accessor = document.gather(of, vertices, buffers, name)?.into();
+        }
+    }
+    primitive.insert("attributes".into(), lists.pop().unwrap_or_default());
+    if has_targets {
+        primitive.insert("targets".into(), lists.into());
+    }
+    Ok(())
 }
 
 /// The primitives of the document, each as every node shows it, that use a material: how many.
@@ -87,33 +152,31 @@ fn nodes_of(document: &Document, mesh: usize) -> Vec<u32> {
     (0..document.count("nodes") as u32).filter(shows).collect()
 }
 
-/// The material of a primitive as it is written.
-fn material(document: &Document, (node, primitive): Place) -> Result<Option<usize>, DocumentError> {
+/// A primitive as it is written.
+fn primitive(document: &Document, (node, primitive): Place) -> Result<&Map<String, Value>, DocumentError> {
     let mesh = mesh_of(document, node)?;
     let place = || format!("meshes/{mesh}/primitives/{primitive}");
     let found =
         document.element("meshes", mesh)?.get("primitives").and_then(|all| all.get(primitive as usize));
-    let found = found.ok_or_else(|| DocumentError::Missing(place()))?;
-    Ok(found.get("material").and_then(index))
+    found.and_then(Value::as_object).ok_or_else(|| DocumentError::Missing(place()))
 }
 
-/// Gives nodes the materials that were found for their primitives; a mesh that several nodes would show differently is copied.
-fn show(document: &mut Document, material_of: &BTreeMap<Place, usize>) -> Result<(), AssignError> {
+/// Gives nodes the primitives that are wanted for them; a mesh that several nodes would show differently is copied.
+fn show(document: &mut Document, wanted: &BTreeMap<Place, Value>) -> Result<(), AssignError> {
     for mesh in 0..document.count("meshes") {
         // The primitives that change, for each node that shows the mesh.
-        let mut wanted: Vec<(u32, Vec<(u32, usize)>)> = Vec::new();
+        let mut by_node: Vec<(u32, Vec<(u32, &Value)>)> = Vec::new();
         for node in nodes_of(document, mesh) {
-            let of_node = material_of.range((node, 0)..=(node, u32::MAX));
             let mut changes = Vec::new();
-            for (&(_, primitive), &new) in of_node {
-                if material(document, (node, primitive))? != Some(new) {
-                    changes.push((primitive, new));
+            for (&place, new) in wanted.range((node, 0)..=(node, u32::MAX)) {
+                if Some(primitive(document, place)?) != new.as_object() {
+                    changes.push((place.1, new));
                 }
             }
-            wanted.push((node, changes));
+            by_node.push((node, changes));
         }
-        let mut versions: Vec<Vec<(u32, usize)>> = Vec::new();
-        for (_, changes) in &wanted {
+        let mut versions: Vec<Vec<(u32, &Value)>> = Vec::new();
+        for (_, changes) in &by_node {
             if !versions.contains(changes) {
                 versions.push(changes.clone());
             }
@@ -127,14 +190,14 @@ fn show(document: &mut Document, material_of: &BTreeMap<Place, usize>) -> Result
                 _ => document.push("meshes", Value::Object(original.clone()))?,
             };
             let changed = document.element_mut("meshes", shown)?;
-            for &(primitive, material) in changes {
-                if let Some(Value::Object(primitive)) =
+            for &(primitive, new) in changes {
+                if let Some(old) =
                     changed.get_mut("primitives").and_then(|all| all.get_mut(primitive as usize))
                 {
-                    primitive.insert("material".into(), material.into());
+                    *old = new.clone();
                 }
             }
-            for (node, _) in wanted.iter().filter(|(_, wanted)| version > 0 && wanted == changes) {
+            for (node, _) in by_node.iter().filter(|(_, of)| version > 0 && of == changes) {
                 document.element_mut("nodes", *node as usize)?.insert("mesh".into(), shown.into());
             }
         }
@@ -163,7 +226,7 @@ mod tests {
         let sheet = |(k, instances): (usize, &&[u32])| Sheet {
             name: format!("sheet {k}"),
             material: 0,
-            uv_set: k,
+            uvs: Uvs::Set(k),
             instances: instances.to_vec(),
             size: MapSize { width: 4, height: 4 },
             repeats: false,
@@ -171,10 +234,21 @@ mod tests {
         Sheets { sheets: of.iter().enumerate().map(sheet).collect(), unmapped: Vec::new() }
     }
 
+    fn assigned_in(
+        document: &mut Document,
+        instances: &[Origin],
+        sheets: &Sheets,
+        textures: &[usize],
+    ) -> Result<(), AssignError> {
+        let vertices = vec![&[][..]; instances.len()];
+        let origins = Origins { instances, vertices: &vertices };
+        assign(document, &origins, sheets, textures, &Buffers::default(), "new")
+    }
+
     fn assigned(of: &[&[u32]]) -> Value {
         let mut document = Document::open(TEXT.as_bytes()).unwrap();
         let textures: Vec<usize> = (0..of.len()).map(|k| 10 + k).collect();
-        assign(&mut document, &origins(), &sheets(of), &textures).unwrap();
+        assigned_in(&mut document, &origins(), &sheets(of), &textures).unwrap();
         Value::Object(document.root().clone())
     }
 
@@ -226,11 +300,11 @@ mod tests {
     fn copies_of_one_node_cannot_differ() {
         let mut document = Document::open(TEXT.as_bytes()).unwrap();
         let copy = |copy| Origin { node: 2, copy, mesh: 1, primitive: 0 };
-        let found = assign(&mut document, &[copy(0), copy(1)], &sheets(&[&[0], &[1]]), &[0, 1]);
+        let found = assigned_in(&mut document, &[copy(0), copy(1)], &sheets(&[&[0], &[1]]), &[0, 1]);
         assert_eq!(found, Err(AssignError::Copies(2)));
         let mut document = Document::open(br#"{"nodes":[{}],"meshes":[]}"#).unwrap();
         let origin = Origin { node: 0, copy: 0, mesh: 0, primitive: 0 };
-        let found = assign(&mut document, &[origin], &sheets(&[&[0]]), &[0]).unwrap_err();
+        let found = assigned_in(&mut document, &[origin], &sheets(&[&[0]]), &[0]).unwrap_err();
         assert_eq!(found.to_string(), "`nodes/0/mesh` does not exist");
     }
 }

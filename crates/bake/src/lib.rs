@@ -16,11 +16,13 @@ mod buried;
 mod document;
 mod places;
 mod sheets;
+mod unwrap;
 mod write;
 
-pub use assign::{AssignError, assign};
+pub use assign::{AssignError, Origins, assign};
 pub use buried::buried;
-pub use document::{Document, DocumentError, Files, Kind};
+pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use places::Places;
-pub use sheets::{Sheet, Sheets, Unmapped, UvFault};
+pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
+pub use unwrap::NewUvs;
 pub use write::{WriteError, Written, file_names, png, write_model};

@@ -3,12 +3,13 @@
 //! Surfaces of one material share a map where their UVs let them: each triangle within one tile, as textures that repeat are read, and none over
 //! another. Where they do not - copies of
 //! one mesh, parts that were all laid out over the whole square - each gets a map of its own. Surfaces that no UV set of theirs suits
-//! are told, with the reason.
+//! are laid out together anew, or told with the reason.
 
+use crate::{NewUvs, unwrap::unwrapped};
 use conray_core::{Geometry, Vec2};
 use conray_target::{MapSize, Surface, UvUse};
 use rayon::prelude::*;
-use std::fmt;
+use std::{collections::BTreeSet, fmt};
 
 /// Texels on each side of the raster in which overlaps are sought.
 const RASTER: u32 = 1024;
@@ -22,8 +23,8 @@ pub struct Sheet {
     pub name: String,
     /// The scene's material.
     pub material: u32,
-    /// The UV set by which all of its surfaces read it.
-    pub uv_set: usize,
+    /// How its surfaces read it.
+    pub uvs: Uvs,
     /// The scene's instances that read it.
     pub instances: Vec<u32>,
     /// Size of the map.
@@ -32,8 +33,31 @@ pub struct Sheet {
     pub repeats: bool,
 }
 
+/// By which UVs the surfaces of a map read it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Uvs {
+    /// A set that they have, by its number.
+    Set(usize),
+    /// New ones, for each instance, to be written as the set of that number.
+    New {
+        /// The next free number of all of them.
+        set: usize,
+        /// In the order of the instances.
+        of: Vec<NewUvs>,
+    },
+}
+
+impl Uvs {
+    /// The number of the set.
+    pub fn set(&self) -> usize {
+        match self {
+            Self::Set(set) | Self::New { set, .. } => *set,
+        }
+    }
+}
+
 /// Why a UV set cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum UvFault {
     /// There is none.
     None,
@@ -49,6 +73,11 @@ pub enum UvFault {
     },
     /// All triangles are points or lines.
     NoArea,
+    /// New ones could not be made.
+    Unwrap {
+        /// Why.
+        reason: String,
+    },
 }
 
 impl fmt::Display for UvFault {
@@ -60,6 +89,7 @@ impl fmt::Display for UvFault {
             }
             Self::Overlap { share } => write!(f, "{:.1} % of its UVs lie over each other", 100.0 * share),
             Self::NoArea => f.write_str("its UVs cover nothing"),
+            Self::Unwrap { reason } => write!(f, "it cannot be unwrapped: {reason}"),
         }
     }
 }
@@ -82,9 +112,18 @@ pub struct Sheets {
     pub unmapped: Vec<Unmapped>,
 }
 
+/// What is done about surfaces that no UV set suits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unwrap {
+    /// They get new UVs.
+    Yes,
+    /// They get no map.
+    No,
+}
+
 impl Sheets {
-    /// Finds maps of that size for instances of a scene, by the UV sets that they have.
-    pub fn of(geometry: &Geometry, instances: &[u32], size: MapSize) -> Self {
+    /// Finds maps of that size for instances of a scene, by the UV sets that they have, or by new ones: then rows that are not needed are left out.
+    pub fn of(geometry: &Geometry, instances: &[u32], size: MapSize, unwrap: Unwrap) -> Self {
         let mut groups: Vec<(u32, Vec<u32>)> = Vec::new();
         for &instance in instances {
             let material = geometry.mesh_of(instance as usize).material;
@@ -96,29 +135,58 @@ impl Sheets {
         groups.sort_by_key(|(material, _)| *material);
         let mut found = Self::default();
         for (material, group) in groups {
-            found.add(geometry, material, group, size);
+            found.add(geometry, material, group, size, unwrap);
         }
         found
     }
 
-    fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize) {
-        let mut sheet = |name, uv_set, instances: Vec<u32>| {
-            let tiles = |&instance: &u32| tiles(geometry, instance, uv_set).any(|tile| tile != Vec2::ZERO);
-            let repeats = instances.iter().any(tiles);
-            self.sheets.push(Sheet { name, material, uv_set, instances, size, repeats });
-        };
+    fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize, unwrap: Unwrap) {
         let known = geometry.materials().get(material as usize).map(|material| material.name.clone());
         let name = known.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {material}"));
+        let sheet = |name, uv_set, instances: Vec<u32>| {
+            let away = |&instance: &u32| tiles(geometry, instance, uv_set).any(|tile| tile != Vec2::ZERO);
+            let repeats = instances.iter().any(away);
+            Sheet { name, material, uvs: Uvs::Set(uv_set), instances, size, repeats }
+        };
         if let Ok(uv_set) = usable(geometry, &group) {
-            sheet(name, uv_set, group);
+            self.sheets.push(sheet(name, uv_set, group));
             return;
         }
         let each: Vec<Result<usize, UvFault>> =
             group.par_iter().map(|&instance| usable(geometry, &[instance])).collect();
+        let mut lacking: Vec<(u32, UvFault)> = Vec::new();
         for (&instance, found) in group.iter().zip(each) {
             match found {
-                Ok(uv_set) => sheet(format!("{name}-{instance}"), uv_set, vec![instance]),
-                Err(fault) => self.unmapped.push(Unmapped { instance, fault }),
+                Ok(uv_set) => self.sheets.push(sheet(format!("{name}-{instance}"), uv_set, vec![instance])),
+                Err(fault) => lacking.push((instance, fault)),
+            }
+        }
+        let unmapped =
+            |(instance, fault): &(u32, UvFault)| Unmapped { instance: *instance, fault: fault.clone() };
+        if unwrap == Unwrap::No || lacking.is_empty() {
+            self.unmapped.extend(lacking.iter().map(unmapped));
+            return;
+        }
+        // Numbers of sets follow each other, so only surfaces with as many sets can read the same new one.
+        let sets = |instance: u32| geometry.mesh_of(instance as usize).uv_sets().len();
+        let counts: BTreeSet<usize> = lacking.iter().map(|(instance, _)| sets(*instance)).collect();
+        for &set in &counts {
+            let alike: Vec<u32> = lacking
+                .iter()
+                .map(|(instance, _)| *instance)
+                .filter(|&instance| sets(instance) == set)
+                .collect();
+            let name = if counts.len() > 1 { format!("{name}-uv{set}") } else { name.clone() };
+            match unwrapped(geometry, &alike, size) {
+                Ok((size, of)) => {
+                    let uvs = Uvs::New { set, of };
+                    self.sheets.push(Sheet { name, material, uvs, instances: alike, size, repeats: false });
+                }
+                Err(reason) => {
+                    let fault = UvFault::Unwrap { reason };
+                    let of = |instance| Unmapped { instance, fault: fault.clone() };
+                    self.unmapped.extend(alike.into_iter().map(of));
+                }
             }
         }
     }
@@ -126,14 +194,17 @@ impl Sheets {
     /// The surfaces that read the maps, by instances, in the order of the maps. `v_up` where the first row of an image is at v = 1, as in OBJ files.
     pub fn surfaces(&self, geometry: &Geometry, v_up: bool) -> Vec<(u32, Surface)> {
         let of_sheet = |(map, sheet): (usize, &Sheet)| {
-            let surface = |&instance: &u32| {
-                let mut uvs = corner_uvs(geometry, instance, sheet.uv_set);
-                if v_up {
+            let surface = |(k, &instance): (usize, &u32)| {
+                let mut uvs = match &sheet.uvs {
+                    Uvs::Set(set) => corner_uvs(geometry, instance, *set),
+                    Uvs::New { of, .. } => of[k].corners(),
+                };
+                if v_up && matches!(sheet.uvs, Uvs::Set(_)) {
                     uvs.iter_mut().flatten().for_each(|uv| uv.y = 1.0 - uv.y);
                 }
                 (instance, Surface { map, uvs })
             };
-            sheet.instances.iter().map(surface).collect::<Vec<_>>()
+            sheet.instances.iter().enumerate().map(surface).collect::<Vec<_>>()
         };
         self.sheets.iter().enumerate().flat_map(of_sheet).collect()
     }
@@ -216,13 +287,13 @@ mod tests {
     }
 
     fn names(sheets: &Sheets) -> Vec<(&str, usize, &[u32])> {
-        sheets.sheets.iter().map(|sheet| (&sheet.name[..], sheet.uv_set, &sheet.instances[..])).collect()
+        sheets.sheets.iter().map(|sheet| (&sheet.name[..], sheet.uvs.set(), &sheet.instances[..])).collect()
     }
 
     #[test]
     fn surfaces_of_a_material_share_a_map_where_their_uvs_let_them() {
         let (geometry, instances) = geometry(&[(&[LEFT], 1), (&[RIGHT], 0), (&[LEFT], 0)], 1);
-        let found = Sheets::of(&geometry, &instances, SIZE);
+        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
         assert_eq!(names(&found), [("wood", 0, &[1, 2][..]), ("material 1", 0, &[0])]);
         assert!(found.unmapped.is_empty());
         let surfaces = found.surfaces(&geometry, true);
@@ -236,7 +307,7 @@ mod tests {
     #[test]
     fn copies_get_maps_of_their_own() {
         let (geometry, instances) = geometry(&[(&[LEFT], 0)], 2);
-        let found = Sheets::of(&geometry, &instances, SIZE);
+        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
         assert_eq!(names(&found), [("wood-0", 0, &[0][..]), ("wood-1", 0, &[1])]);
         assert_eq!(found.sheets[0].size, SIZE);
     }
@@ -244,17 +315,31 @@ mod tests {
     #[test]
     fn the_first_uv_set_that_suits_is_taken() {
         let (geometry, instances) = geometry(&[(&[OUTSIDE, LEFT], 0), (&[LEFT, RIGHT], 0)], 1);
-        assert_eq!(names(&Sheets::of(&geometry, &instances, SIZE)), [("wood", 1, &[0, 1][..])]);
+        assert_eq!(names(&Sheets::of(&geometry, &instances, SIZE, Unwrap::No)), [("wood", 1, &[0, 1][..])]);
     }
 
     #[test]
     fn triangles_a_whole_tile_away_are_read_from_a_map_that_repeats() {
         let away = LEFT.map(|[u, v]| [u + 3.0, v - 1.0]);
         let (geometry, instances) = geometry(&[(&[away], 0), (&[RIGHT], 0)], 1);
-        let found = Sheets::of(&geometry, &instances, SIZE);
+        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
         assert_eq!(names(&found), [("wood", 0, &[0, 1][..])]);
         assert!(found.sheets[0].repeats);
         assert_eq!(found.surfaces(&geometry, false)[0].1.uvs[0], LEFT.map(Vec2::from_array));
+    }
+
+    #[test]
+    fn what_suits_nothing_is_laid_out_anew_where_that_is_wanted() {
+        let (geometry, instances) = geometry(&[(&[OUTSIDE], 0), (&[LINE], 0), (&[], 0), (&[LEFT], 1)], 1);
+        let size = MapSize { width: 64, height: 64 };
+        let found = Sheets::of(&geometry, &instances, size, Unwrap::Yes);
+        assert!(found.unmapped.is_empty());
+        let expected = [("wood-uv0", 0, &[2][..]), ("wood-uv1", 1, &[0, 1]), ("material 1", 0, &[3])];
+        assert_eq!(names(&found), expected);
+        let Uvs::New { of, .. } = &found.sheets[1].uvs else { panic!("new ones") };
+        let all: Vec<[Vec2; 3]> = of.iter().flat_map(NewUvs::corners).collect();
+        assert_eq!(judged(&UvUse::of(&all, RASTER)), Ok(()));
+        assert_eq!(found.surfaces(&geometry, false)[1].1.uvs, of[0].corners());
     }
 
     #[test]
@@ -267,7 +352,7 @@ mod tests {
         ];
         for (sets, expected) in cases {
             let (geometry, instances) = geometry(&[(sets, 0)], 1);
-            let found = Sheets::of(&geometry, &instances, SIZE);
+            let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
             assert!(found.sheets.is_empty());
             assert_eq!(found.unmapped[0].fault.to_string(), expected);
         }

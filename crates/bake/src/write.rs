@@ -1,7 +1,7 @@
 //! What a bake writes: PNG maps, and models that show them.
 
-use crate::{AssignError, Document, Kind, Sheets, assign};
-use conray_scene::Origin;
+use crate::{AssignError, Buffers, Document, Kind, Origins, Sheets, Uvs, assign};
+use base64::{Engine, prelude::BASE64_STANDARD};
 use conray_target::{AtlasMap, PngDepth, TargetError, encode_png, write_atomically};
 use std::{
     collections::BTreeSet,
@@ -77,7 +77,7 @@ pub fn write_model(
     path: &Path,
     source: &Path,
     mut document: Document,
-    origins: &[Origin],
+    origins: &Origins<'_>,
     sheets: &Sheets,
     maps: &[AtlasMap],
     depth: PngDepth,
@@ -88,7 +88,11 @@ pub fn write_model(
         let texture = document.push_png(png(map, depth), &format!("{stem}-{name}-ao"), sheet.repeats);
         textures.push(texture.map_err(AssignError::from)?);
     }
-    assign(&mut document, origins, sheets, &textures)?;
+    let anew = sheets.sheets.iter().any(|sheet| matches!(sheet.uvs, Uvs::New { .. }));
+    let read = |uri: &str| bytes_of(source, uri);
+    let buffers =
+        if anew { Buffers::of(&document, read).map_err(AssignError::from)? } else { Buffers::default() };
+    assign(&mut document, origins, sheets, &textures, &buffers, &format!("{stem}-ao"))?;
     let bytes = document.to_bytes().map_err(AssignError::from)?;
     let mut written = Written::default();
     if document.kind() == Kind::Text {
@@ -110,6 +114,14 @@ pub fn write_model(
     write_atomically(path, |out| out.write_all(&bytes))?;
     written.files.push(path.to_path_buf());
     Ok(written)
+}
+
+/// The bytes of a buffer: a file beside the model, or data in it.
+fn bytes_of(model: &Path, uri: &str) -> Option<Vec<u8>> {
+    match uri.strip_prefix("data:") {
+        Some(inline) => BASE64_STANDARD.decode(inline.split_once(";base64,")?.1).ok(),
+        None => fs::read(model.parent()?.join(conray_scene::percent_decoded(uri))).ok(),
+    }
 }
 
 /// What became of a file that a document names.

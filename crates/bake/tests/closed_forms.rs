@@ -1,7 +1,7 @@
 //! Baked texels against what geometry says, texel by texel.
 
 use conray::{AoSettings, Control, Distance, Session};
-use conray_bake::{Places, Sheets};
+use conray_bake::{Places, Sheets, Unwrap};
 use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
 use conray_target::{AtlasMap, MapSize, Target};
 
@@ -25,7 +25,7 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32) -> (
         geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
     let session = Session::build(geometry, settings).unwrap();
-    let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE });
+    let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE }, Unwrap::No);
     let target = Places::of(session.geometry(), &sheets, false).texels(&session, supersample);
     let outcome = session.run_target(&target, Control::none()).unwrap();
     let mut maps = target.resolve(&outcome.estimates).unwrap();

@@ -1,7 +1,7 @@
 //! Baked models on a disc: what is written beside what, and what other readers make of it.
 
 use conray::{AoSettings, Control, Session};
-use conray_bake::{Document, Places, Sheets, Written, write_model};
+use conray_bake::{Document, Origins, Places, Sheets, Unwrap, Written, write_model};
 use conray_scene::{Limits, load};
 use conray_target::{MapSize, PngDepth, Target};
 use std::{
@@ -37,14 +37,21 @@ fn bake(source: &Path, to: &Path) -> Written {
     let scene = load(source, &Limits::default()).unwrap();
     let settings = AoSettings { rays: Some(64), ..AoSettings::default() };
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
-    let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 });
+    let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 }, Unwrap::Yes);
     let session = Session::build(scene.geometry, &settings).unwrap();
     let texels = Places::of(session.geometry(), &sheets, false).texels(&session, 1);
     let outcome = session.run_target(&texels, Control::none()).unwrap();
     let mut maps = texels.resolve(&outcome.estimates).unwrap();
     maps.iter_mut().for_each(|map| map.extend(None));
     let document = Document::open(&fs::read(source).unwrap()).unwrap();
-    write_model(to, source, document, &scene.origins, &sheets, &maps, PngDepth::Eight).unwrap()
+    let vertices: Vec<&[u32]> = session
+        .geometry()
+        .instances()
+        .iter()
+        .map(|instance| &scene.sources[instance.mesh as usize][..])
+        .collect();
+    let origins = Origins { instances: &scene.origins, vertices: &vertices };
+    write_model(to, source, document, &origins, &sheets, &maps, PngDepth::Eight).unwrap()
 }
 
 fn names(written: &Written) -> Vec<String> {
@@ -81,4 +88,36 @@ fn a_model_in_its_own_folder_shares_the_files_that_are_there() {
     let written = bake(&source, &folder.path().join("baked.gltf"));
     assert_eq!(names(&written).len(), 3, "{:?}", names(&written));
     assert_eq!(fs::read(&source).unwrap(), before);
+}
+
+#[test]
+fn a_surface_without_uvs_gets_vertices_with_new_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = write_source(folder.path());
+    // Without its UVs, and with a colour for each vertex in their place: that must follow the vertices.
+    let text = fs::read_to_string(&source).unwrap();
+    fs::write(&source, text.replace(r#""TEXCOORD_0":1"#, r#""_MARK":1"#)).unwrap();
+    let out = folder.path().join("baked.gltf");
+    let written = bake(&source, &out);
+    assert_eq!(names(&written), ["baked-two-sided-ao.png", "baked-ao.bin", "baked.gltf"]);
+    let (before, after) =
+        (load(&source, &Limits::default()).unwrap(), load(&out, &Limits::default()).unwrap());
+    assert_eq!(after.geometry.meshes().len(), 2, "the two nodes read different parts of the map");
+    for (instance, other) in after.geometry.instances().iter().zip(before.geometry.instances()) {
+        let mesh = &after.geometry.meshes()[instance.mesh as usize];
+        let same = &before.geometry.meshes()[other.mesh as usize];
+        assert_eq!(mesh.uv_sets().len(), 1);
+        assert!((0..2).all(|triangle| mesh.corners(triangle) == same.corners(triangle)));
+    }
+    let document = Document::open(&fs::read(&out).unwrap()).unwrap();
+    let primitive = &document.root()["meshes"][0]["primitives"][0];
+    let mark = primitive["attributes"]["_MARK"].as_u64().unwrap() as usize;
+    assert_eq!(document.element("accessors", mark).unwrap()["count"], 4);
+    let bin = fs::read(folder.path().join("baked-ao.bin")).unwrap();
+    let view = &document.root()["bufferViews"]
+        [document.element("accessors", mark).unwrap()["bufferView"].as_u64().unwrap() as usize];
+    let offset = view["byteOffset"].as_u64().unwrap() as usize;
+    let first = f32::from_le_bytes(bin[offset..offset + 4].try_into().unwrap());
+    assert!([0.0, 1.0].contains(&first), "a value of the vertex that it was");
+    assert_eq!(document.root()["materials"][0]["occlusionTexture"]["texCoord"], 0);
 }

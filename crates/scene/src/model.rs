@@ -16,6 +16,8 @@ pub struct Scene {
     pub warnings: Vec<Warning>,
     /// Where each instance stands in a glTF document, in the order of the instances; empty for other scenes.
     pub origins: Vec<Origin>,
+    /// For each mesh of a glTF scene the vertices of the document's accessors that its vertices are, in order; empty for other scenes.
+    pub sources: Vec<Vec<u32>>,
 }
 
 /// The place in a glTF document that an instance comes from, by indices of the document.

@@ -128,8 +128,8 @@ mod tests {
     }
 
     #[test]
-    fn numbers_order_and_unknown_things_stay_as_they_were() {
-        let json = r#"{"zeta":0.01,"asset":{"version":"2.0"},"extras":{"b":1e-7,"a":10000000000000000000.5},"alpha":[1.0]}"#;
+    fn values_order_and_unknown_things_stay_as_they_were() {
+        let json = r#"{"zeta":0.01,"asset":{"version":"2.0"},"extras":{"b":1e-7,"a":-0.0,"c":18446744073709551615},"alpha":[1.0,0.30000000000000004]}"#;
         let file = binary(json, b"12345678", &[(7, b"abcd".to_vec())]);
         let document = Document::open(&file).unwrap();
         assert_eq!(document.to_bytes().unwrap(), file);

@@ -1,6 +1,6 @@
 //! A glTF file as it is written, for changes in a few places.
 //!
-//! The JSON is kept as it stands - order of keys, digits of numbers, extensions and extras that nobody here knows - and so are the bytes of the
+//! The JSON is kept as it stands - order of keys, numbers to the last bit of a double, extensions and extras that nobody here knows - and so are the bytes of the
 //! binary chunk, to which more are appended. What is added goes at the end of the document's lists, so that no index changes.
 //!
 //! ("glTF 2.0 Specification", sections 3.2 and 4.4.)
@@ -8,8 +8,10 @@
 mod add;
 mod container;
 mod files;
+mod gather;
 
 pub use files::Files;
+pub use gather::Buffers;
 
 use serde_json::{Map, Value};
 use thiserror::Error;

@@ -101,6 +101,8 @@ fn instances_know_where_in_the_document_they_stand() {
     ];
     assert_eq!(scene.origins, expected);
     assert_eq!(scene.geometry.instances().len(), expected.len());
+    assert_eq!(scene.sources.len(), scene.geometry.meshes().len());
+    assert_eq!(scene.sources[0], [0, 1, 2]);
 }
 
 #[test]

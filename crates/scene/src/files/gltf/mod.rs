@@ -167,9 +167,10 @@ impl Meshes<'_> {
             return Ok(*known);
         }
         let index = match read_primitive(self.data, name, primitive, intake)? {
-            Some(mesh) => {
+            Some((mesh, vertices)) => {
                 intake.count_triangles(mesh.triangles().len())?;
                 let mesh = mesh.with_name(title).with_material(material);
+                intake.scene.sources.push(vertices);
                 Some(intake.scene.geometry.add_mesh(mesh).map_err(|e| Fault::element(name, e.to_string()))?)
             }
             None => None,

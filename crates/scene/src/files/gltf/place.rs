@@ -43,6 +43,8 @@ impl Placer {
             data.spend(((triangles + source.positions().len()) as u64).saturating_mul(32))?;
             let flat = flattened(source, &world_from_mesh).map_err(fault)?;
             intake.count_triangles(triangles)?;
+            let vertices = intake.scene.sources[mesh as usize].clone();
+            intake.scene.sources.push(vertices);
             (intake.scene.geometry.add_mesh(flat).map_err(fault)?, Affine3A::IDENTITY)
         };
         intake.scene.geometry.add_named_instance(mesh, world_from_mesh, title.to_string()).map_err(fault)?;

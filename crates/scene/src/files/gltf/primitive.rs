@@ -15,14 +15,14 @@ const MAX_UV_SETS: usize = 16;
 
 /// Reads a primitive called `name` in messages; `None` where it has no triangles.
 ///
-/// Only the vertices that its triangles use are kept, in the order of their first use. Without normals the mesh is flat,
+/// Only the vertices that its triangles use are kept, in the order of their first use; told is which of the accessors they are. Without normals the mesh is flat,
 /// as the specification says in section 3.7.2.1.
 pub(super) fn read_primitive(
     data: &Data,
     name: &str,
     primitive: &Primitive,
     intake: &mut Intake,
-) -> Result<Option<TriangleMesh>, Fault> {
+) -> Result<Option<(TriangleMesh, Vec<u32>)>, Fault> {
     let mode = primitive.mode.unwrap_or(4);
     if mode > 6 {
         return Err(Fault::element(name, format!("mode {mode} is not known")));
@@ -69,7 +69,7 @@ pub(super) fn read_primitive(
     for uvs in uv_sets(data, name, primitive, &positions, &vertices)? {
         mesh = mesh.with_uv_set(uvs).map_err(fault)?;
     }
-    Ok(Some(mesh))
+    Ok(Some((mesh, vertices)))
 }
 
 fn corner_count(data: &Data, name: &str, primitive: &Primitive, vertices: usize) -> Result<usize, Fault> {
