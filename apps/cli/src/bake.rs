@@ -72,10 +72,9 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
         reporter.event(Event::Warning { message });
     }
     stop_if(interrupted, "before anything was estimated; no file was written")?;
-    let outcome = estimate(&session, &texels, None, interrupted, &reporter)?;
-    let mut estimates = outcome.estimates.clone();
-    let buried = places.unbury(&session, &texels, &mut estimates);
-    let mut maps = texels.resolve(&estimates)?;
+    let mut outcome = estimate(&session, &texels, None, interrupted, &reporter)?;
+    let buried = places.unbury(&session, &texels, &mut outcome.estimates);
+    let mut maps = texels.resolve(&outcome.estimates)?;
     maps.iter_mut().for_each(AtlasMap::fill);
     let seams = places.seams(&session);
     target::level(&seams, &mut maps);

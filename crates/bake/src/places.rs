@@ -23,13 +23,20 @@ impl Places {
     /// The texels as a target: estimate it with [`Session::run_target`], and its [`resolve`](conray_target::Target::resolve) gives a map for each
     /// sheet. For `supersample` see [`AtlasTarget::new`].
     pub fn texels(&self, session: &Session, supersample: u32) -> AtlasTarget {
-        let scale = |map: usize| Vec2::new(self.sizes[map].width as f32, self.sizes[map].height as f32);
+        // Once for each triangle, not for each of its texels.
+        let texel_sizes = |(surface, &instance): (&Surface, &u32)| {
+            let MapSize { width, height } = self.sizes[surface.map];
+            let scale = Vec2::new(width as f32, height as f32);
+            let of = |(triangle, uvs): (u32, &[Vec2; 3])| {
+                texel_size(session.bvh().world_corners(instance, triangle), uvs.map(|uv| uv * scale))
+            };
+            (0..).zip(&surface.uvs).map(of).collect()
+        };
+        let texel_sizes: Vec<Vec<f32>> = self.surfaces.iter().zip(&self.instances).map(texel_sizes).collect();
         let point = |surface: usize, triangle: usize, weights: [f32; 3]| {
-            let (instance, index) = (self.instances[surface], triangle as u32);
-            let point = session.bvh().front_point(instance, index, [weights[1], weights[2]]);
-            let Surface { map, uvs } = &self.surfaces[surface];
-            let uvs = uvs[triangle].map(|uv| uv * scale(*map));
-            SurfacePoint { footprint: texel_size(session.bvh().world_corners(instance, index), uvs), ..point }
+            let place = [weights[1], weights[2]];
+            let point = session.bvh().front_point(self.instances[surface], triangle as u32, place);
+            SurfacePoint { footprint: texel_sizes[surface][triangle], ..point }
         };
         session.install(|| AtlasTarget::new(self.sizes.clone(), &self.surfaces, supersample, point))
     }

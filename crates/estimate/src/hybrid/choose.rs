@@ -62,13 +62,16 @@ pub(super) fn choose(
     let candidates: Vec<Candidate> =
         (0..pixels.len()).into_par_iter().with_min_len(1 << 12).map(candidate).collect();
     let (least_gain, mut left) = threshold(&candidates, budget);
-    let above = |(part, candidates): (usize, &[Candidate])| orders_of(part, candidates, least_gain, &mut 0);
-    let parts: Vec<Vec<Order>> = candidates.par_chunks(PART).enumerate().map(above).collect();
-    // Of those that gain just as much, the first ones.
-    let with_ties = |(part, above): (usize, Vec<Order>)| {
+    let above = |(part, candidates): (usize, &[Candidate])| {
+        let ties = candidates.iter().any(|candidate| candidate.gains.contains(&least_gain));
+        (orders_of(part, candidates, least_gain, &mut 0), ties)
+    };
+    let parts: Vec<(Vec<Order>, bool)> = candidates.par_chunks(PART).enumerate().map(above).collect();
+    // Of those that gain just as much, the first ones: one part after the other, where there are any.
+    let with_ties = |(part, (above, ties)): (usize, (Vec<Order>, bool))| {
         let from = part * PART;
         let candidates = &candidates[from..(from + PART).min(candidates.len())];
-        if left > 0 { orders_of(part, candidates, least_gain, &mut left) } else { above }
+        if ties && left > 0 { orders_of(part, candidates, least_gain, &mut left) } else { above }
     };
     parts.into_iter().enumerate().flat_map(with_ties).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{
     pixels::Pixels,
-    tallies::{Rays, Tally, worth_of},
+    tallies::{Rays, Tally, worth},
 };
 use rayon::prelude::*;
 
@@ -45,7 +45,7 @@ impl Columns {
             for (k, tally) in tallies.iter().enumerate() {
                 let some = tally.units > 0;
                 let unit_variance = rays.unit_variance(tally);
-                out[0][k] = worth_of(tally.units);
+                out[0][k] = worth(tally.units as f32);
                 out[1][k] = tally.mean();
                 out[2][k] = if some { Rays::variance(unit_variance, tally.units) } else { 0.0 };
                 out[3][k] = unit_variance;

@@ -155,8 +155,8 @@ impl Hybrid {
         }
     }
 
-    /// Carries out orders, in the order of their places, those that an interrupted round did not; false where they were interrupted again. What is not reached
-    /// until that many seconds of the clock is left out.
+    /// Carries out orders, which stand in the order of their places, but for those that an interrupted round did; false where they were
+    /// interrupted again. What is not reached until that many seconds of the clock is left out.
     pub(super) fn trace(&mut self, work: &Work<'_>, orders: &[Order], until: f64) -> bool {
         debug_assert!(orders.is_sorted_by_key(|order| order.at));
         let start = Instant::now();

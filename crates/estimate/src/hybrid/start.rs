@@ -4,7 +4,7 @@ use super::{
     Hybrid, Order, Rays, bundles,
     refine::Work,
     spread,
-    tallies::{FULL, UNIT, worth_of},
+    tallies::{FULL, UNIT, worth},
 };
 use conray_core::hash_u32;
 use rayon::prelude::*;
@@ -96,7 +96,8 @@ impl Hybrid {
         self.pilot_rays += pairs as u64 * u64::from(FULL * UNIT);
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
         let found = if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
-        let full_to_unit = if in_units > 0.0 { f64::from(worth_of(FULL)) * in_fulls / in_units } else { 1.0 };
+        let full_to_unit =
+            if in_units > 0.0 { f64::from(worth(FULL as f32)) * in_fulls / in_units } else { 1.0 };
         let [unit, full] = if first == FULL {
             [found * full_to_unit, found]
         } else {

@@ -1,7 +1,6 @@
 //! What the rays of each pixel found, and how far that can be trusted.
 
 use conray_core::Vec3;
-use std::sync::LazyLock;
 
 /// Rays of a unit, in which rays are given out: an aligned block of a point's sequence.
 pub(super) const UNIT: u32 = 16;
@@ -63,14 +62,6 @@ pub(super) fn worth(units: f32) -> f32 {
     units * fourth * fourth.sqrt()
 }
 
-/// [`worth`] of whole units: three roots take longer than a look at memory.
-static WORTH: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|units| worth(units as f32)));
-
-/// [`worth`] of so many units.
-pub(super) fn worth_of(units: u32) -> f32 {
-    WORTH.get(units as usize).copied().unwrap_or_else(|| worth(units as f32))
-}
-
 impl Rays {
     /// Variance of one unit as a point's own rays tell it; 0 without rays.
     pub(super) fn unit_variance(&self, tally: &Tally) -> f32 {
@@ -88,12 +79,12 @@ impl Rays {
 
     /// Variance of the mean of so many units.
     pub(super) fn variance(unit_variance: f32, units: u32) -> f32 {
-        unit_variance / worth_of(units) + Self::unseen(units)
+        unit_variance / worth(units as f32) + Self::unseen(units)
     }
 
     /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.
     pub(super) fn enough(&self) -> f32 {
-        0.5 / worth_of(self.first)
+        0.5 / worth(self.first as f32)
     }
 }
 
@@ -104,10 +95,10 @@ mod tests {
     #[test]
     fn more_rays_are_worth_more_than_as_many_independent_ones() {
         assert!((worth(FULL as f32) - FULL_WORTH).abs() < 1e-5);
-        assert_eq!((worth_of(0), worth_of(1)), (0.0, 1.0));
+        assert_eq!((worth(0.0), worth(1.0)), (0.0, 1.0));
         for units in 1..1000 {
             let expected = f64::from(units).powf(1.375);
-            assert!((f64::from(worth_of(units)) / expected - 1.0).abs() < 1e-5);
+            assert!((f64::from(worth(units as f32)) / expected - 1.0).abs() < 1e-5);
         }
     }
 

@@ -4,7 +4,6 @@
 //! so that both reads come out the same: the noise of the two sides is averaged, and a renderer shows no line.
 
 use super::{map::AtlasMap, seams::Seam};
-use conray_core::Vec2;
 use std::collections::HashMap;
 
 /// Places a texel at which the sides are compared: between texels reads are not linear along a slanted seam.
@@ -40,12 +39,7 @@ impl Reads {
         let mut reads = Self::default();
         let mut unknown: HashMap<(usize, usize), u32> = HashMap::new();
         for seam in seams {
-            let texels = |side: usize| {
-                let side = &seam.sides[side];
-                let map = &maps[side.map];
-                ((side.uvs[1] - side.uvs[0]) * Vec2::new(map.width as f32, map.height as f32)).length()
-            };
-            let steps = (PLACES_A_TEXEL * texels(0).max(texels(1))).max(1.0).ceil();
+            let steps = (PLACES_A_TEXEL * seam.texels(maps)).max(1.0).ceil();
             for step in 0..=steps as u32 {
                 let mut place = Vec::with_capacity(8);
                 for (side, sign) in seam.sides.iter().zip([1.0, -1.0]) {

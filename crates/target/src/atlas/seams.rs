@@ -26,6 +26,17 @@ pub struct Seam {
     pub sides: [SeamSide; 2],
 }
 
+impl Seam {
+    /// Its length in texels, on the side where it is longer.
+    pub(super) fn texels(&self, maps: &[AtlasMap]) -> f32 {
+        let of = |side: &SeamSide| {
+            let map = &maps[side.map];
+            ((side.uvs[1] - side.uvs[0]) * Vec2::new(map.width as f32, map.height as f32)).length()
+        };
+        self.sides.iter().map(of).fold(0.0, f32::max)
+    }
+}
+
 /// A corner of a triangle in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
@@ -107,11 +118,7 @@ impl SeamReport {
         let mut report = Self::default();
         let mut squares = 0.0;
         for seam in seams {
-            let texels = |side: &SeamSide| {
-                let map = &maps[side.map];
-                ((side.uvs[1] - side.uvs[0]) * Vec2::new(map.width as f32, map.height as f32)).length()
-            };
-            let steps = seam.sides.iter().map(texels).fold(1.0, f32::max).ceil();
+            let steps = seam.texels(maps).max(1.0).ceil();
             for step in 0..=steps as u32 {
                 let share = step as f32 / steps;
                 let [a, b] = seam.sides.map(|side| maps[side.map].read(side.uvs[0].lerp(side.uvs[1], share)));

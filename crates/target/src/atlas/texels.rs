@@ -26,7 +26,8 @@ pub struct Surface {
 /// The texels of maps, as surface points: one for each texel that a surface reads, or one for each part of it that is covered where texels
 /// are divided (`supersample`).
 ///
-/// Points are listed map by map, in bands of rows; the `id` of each is its texel, counted through all maps.
+/// Points are listed map by map, row by row; the `id` of each is its texel, counted through all maps, or its place in the list where texels
+/// are divided.
 #[derive(Clone, Debug)]
 pub struct AtlasTarget {
     sizes: Vec<MapSize>,
@@ -88,7 +89,7 @@ impl AtlasTarget {
                 Sample { texel, surface: surface as u32, area: touched.area, off: touched.off, point }
             };
             target.overlaps.push(owners.overlap / f64::from(fine * fine));
-            let mut samples = owners.each(&triangles, sample).concat_bands();
+            let mut samples: Vec<Sample> = owners.each(&triangles, sample).into_iter().flatten().collect();
             if fine > 1 {
                 samples.par_sort_by_key(|sample| sample.texel);
                 samples = chosen(samples);
@@ -122,17 +123,6 @@ impl AtlasTarget {
     /// The surface that each point lies on.
     pub fn surfaces(&self) -> &[u32] {
         &self.surfaces
-    }
-}
-
-/// Bands put together.
-trait ConcatBands<T> {
-    fn concat_bands(self) -> Vec<T>;
-}
-
-impl<T> ConcatBands<T> for Vec<Vec<T>> {
-    fn concat_bands(self) -> Vec<T> {
-        self.into_iter().flatten().collect()
     }
 }
 
