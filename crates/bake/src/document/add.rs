@@ -48,7 +48,10 @@ impl Document {
         let buffer = if is_chunk {
             0
         } else if self.kind == Kind::Text {
-            self.push("buffers", json!({ "uri": format!("{name}.bin"), "byteLength": 0 }))?
+            {
+                let uri = self.free_name(name, "bin");
+                self.push("buffers", json!({ "uri": uri, "byteLength": 0 }))?
+            }
         } else if self.count("buffers") == 0 {
             self.push("buffers", json!({ "byteLength": 0 }))?
         } else {
@@ -57,6 +60,18 @@ impl Document {
         };
         self.buffer = Some(buffer);
         Ok(buffer)
+    }
+
+    /// A file name that the document does not name yet.
+    fn free_name(&self, name: &str, ending: &str) -> String {
+        let taken = |file: &String| {
+            let named =
+                |list: &str, k: usize| self.uri(list, k).is_some_and(|uri| uri.eq_ignore_ascii_case(file));
+            ["buffers", "images"].iter().any(|list| (0..self.count(list)).any(|k| named(list, k)))
+        };
+        let names = (2..).map(|more| format!("{name}-{more}.{ending}"));
+        let mut names = std::iter::once(format!("{name}.{ending}")).chain(names);
+        names.find(|file| !taken(file)).expect("names without end")
     }
 
     /// Adds vectors of floats, each of `N` components, as an accessor.
@@ -89,7 +104,7 @@ impl Document {
                 json!({ "name": name, "mimeType": "image/png", "bufferView": view })
             }
             Kind::Text => {
-                let file = format!("{name}.png");
+                let file = self.free_name(name, "png");
                 let image = json!({ "name": name, "uri": file });
                 self.added.push((file, png));
                 image
@@ -194,6 +209,18 @@ mod tests {
         assert_eq!(names, ["ao-m.png", "ao-n.png", "ao.bin"]);
         assert_eq!(files.added[2].1, 1.0f32.to_le_bytes());
         assert_eq!(document.root()["buffers"][1], json!({ "uri": "ao.bin", "byteLength": 4 }));
+    }
+
+    #[test]
+    fn files_that_the_document_names_are_not_replaced() {
+        let mut document = Document::open(TEXT.as_bytes()).unwrap();
+        document.push_png(b"PNG".to_vec(), "b", false).unwrap();
+        document.push_png(b"PNG".to_vec(), "b", false).unwrap();
+        document.push_floats(&[[1.0]], "a").unwrap();
+        let files = document.files();
+        assert_eq!(files.had, ["a.bin", "b.png"]);
+        let names: Vec<&str> = files.added.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(names, ["b-2.png", "b-3.png", "a-2.bin"]);
     }
 
     #[test]

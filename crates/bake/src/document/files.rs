@@ -33,7 +33,7 @@ impl Document {
         Files { added, had }
     }
 
-    fn uri(&self, list: &str, index: usize) -> Option<&str> {
+    pub(super) fn uri(&self, list: &str, index: usize) -> Option<&str> {
         self.root.get(list)?.get(index)?.get("uri").and_then(Value::as_str)
     }
 }
