@@ -5,20 +5,20 @@ use crate::{
     explain,
     failure::Failure,
     interrupt,
-    render::{estimate, stop_if},
+    render::{observed, stop_if},
     report::{self, Reporter},
 };
 use conray::{
-    Event, Outcome, Session, SessionOptions,
+    Event, Session, SessionOptions, Work,
     scene::{self, Format, Scene},
-    target::{self, AtlasMap, MapSize, PngDepth, SeamReport, Target},
+    target::{self, AtlasMap, MapSize, PngDepth, SeamReport},
 };
-use conray_bake::{Document, Origins, Places, Sheets, Unmapped, Unwrap, file_names, png, write_model};
+use conray_bake::{
+    Baked, Document, MapOptions, Origins, Places, Sheets, Unmapped, Unwrap, bake_maps, file_names, png,
+    write_model,
+};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-/// Differences at a seam below this are hardly seen.
-const SEAM_BOUND: f32 = 0.02;
 
 /// Texels of all maps together: more are beyond the numbers that count them, and any memory.
 const MAX_TEXELS: u64 = 1 << 30;
@@ -62,34 +62,32 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     let options = SessionOptions { threads: args.run.threads };
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     // Images of other formats than glTF have their first row at v = 1.
-    let places = Places::of(session.geometry(), &sheets, origins.is_empty());
-    let texels = places.texels(&session, args.supersample);
-    for (sheet, overlap) in
-        sheets.sheets.iter().zip(texels.overlaps()).filter(|(_, overlap)| **overlap >= 1.0)
+    let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample);
+    stop_if(interrupted, "before anything was estimated; no file was written")?;
+    let map_options = MapOptions { padding: args.padding, ..MapOptions::default() };
+    let baked = observed(interrupted, &reporter, |control| {
+        Ok(bake_maps(&session, &places, session.plan().budget, &map_options, control)?)
+    })?;
+    let Some(work) = Work::of_parts(&baked.parts) else {
+        return Err(Failure::Input(format!("{}: no surface reads a map", args.model.display())));
+    };
+    for (sheet, overlap) in sheets.sheets.iter().zip(&baked.overlaps).filter(|(_, overlap)| **overlap >= 1.0)
     {
         let message =
             format!("{}: surfaces lie over each other on {overlap:.0} texels of its map", sheet.name);
         reporter.event(Event::Warning { message });
     }
-    stop_if(interrupted, "before anything was estimated; no file was written")?;
-    let mut outcome = estimate(&session, &texels, None, interrupted, &reporter)?;
-    let buried = places.unbury(&session, &texels, &mut outcome.estimates);
-    let mut maps = texels.resolve(&outcome.estimates)?;
-    maps.iter_mut().for_each(AtlasMap::fill);
-    let seams = places.seams(&session);
-    target::level(&seams, &mut maps);
-    maps.iter_mut().for_each(|map| map.extend(args.padding));
-    let seams = SeamReport::of(&seams, &maps, SEAM_BOUND);
     let depth = if args.bits == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
     let files = match output {
-        Output::Maps => write_maps(&args.output, &sheets, &maps, depth)?,
+        Output::Maps => write_maps(&args.output, &sheets, &baked.maps, depth)?,
         Output::Model(document) => {
             let instances = session.geometry().instances();
             let vertices: Vec<&[u32]> =
                 instances.iter().map(|instance| &sources[instance.mesh as usize][..]).collect();
             let origins = Origins { instances: &origins, vertices: &vertices };
-            let written = write_model(&args.output, &args.model, document, &origins, &sheets, &maps, depth)
-                .map_err(|e| Failure::Work(format!("{}: {e}", args.output.display())))?;
+            let written =
+                write_model(&args.output, &args.model, document, &origins, &sheets, &baked.maps, depth)
+                    .map_err(|e| Failure::Work(format!("{}: {e}", args.output.display())))?;
             for name in written.not_copied {
                 let message = format!("{name}, which the model names, is not copied; copy it by hand");
                 reporter.event(Event::Warning { message });
@@ -98,30 +96,43 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
         }
     };
 
-    let missed = explain::missed(session.plan(), &outcome);
-    let mut lines = lines(&name, args, &session, &sheets, &outcome, &seams);
-    if buried > 0 {
-        lines.push(format!(
-            "{buried} points lie inside other geometry; their texels took the values beside them"
-        ));
-    }
-    lines.extend(report::work_lines(&settings, session.report(), &outcome));
+    let missed = explain::missed(session.plan(), &work);
+    let mut lines = lines(&name, args, &session, &sheets, &baked, &work);
+    lines.extend(report::work_lines(&settings, session.report(), &work));
     let shown: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
     lines.push(format!("wrote {}", shown.join(", ")));
-    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome);
-    let mut facts = report::work_json(&settings, session.report(), &outcome);
+    lines.extend(missed.clone());
+    if args.ao.explain {
+        for (k, part) in (1..).zip(&baked.parts) {
+            if baked.portions > 1 {
+                lines.push(format!("portion {k} of {}, {} points:", baked.portions, part.points));
+            }
+            lines.extend(explain::lines(session.plan(), part));
+        }
+    }
+    let mut facts = report::work_json(&settings, session.report(), &work);
+    facts["plan"] = baked.parts.iter().map(|part| json!(part.explanation)).collect();
     facts["model"] = json!(name);
     facts["maps"] = json!(sheets.sheets.iter().map(|sheet| &sheet.name).collect::<Vec<_>>());
     facts["size"] = json!([width, height]);
-    facts["buried"] = json!(buried);
+    facts["buried"] = json!(baked.buried);
+    let SeamReport { places, within, rms, worst } = baked.seams;
     facts["seams"] = json!({
-        "places": seams.places, "within": seams.within, "bound": SEAM_BOUND, "rms": seams.rms, "worst": seams.worst
+        "places": places, "within": within, "bound": map_options.seam_bound, "rms": rms, "worst": worst
     });
-    facts["mean_visibility"] = json!(report::means(&outcome).map(|m| m.0));
+    facts["mean_visibility"] = json!(mean(&baked.maps));
     facts["files"] = json!(files);
     reporter.summary(&lines, facts);
     stop_if(interrupted, "what was done by then has been written")?;
     explain::check(args.ao.strict, missed)
+}
+
+/// Mean visibility of the texels that are read.
+fn mean(maps: &[AtlasMap]) -> Option<f64> {
+    let read = maps.iter().flat_map(|map| map.visibility.iter().zip(&map.is_read)).filter(|(_, read)| **read);
+    let (sum, count) =
+        read.fold((0.0, 0u64), |(sum, count), (visibility, _)| (sum + f64::from(*visibility), count + 1));
+    (count > 0).then(|| sum / count as f64)
 }
 
 /// What will be written, refused before any work where it cannot be.
@@ -185,8 +196,8 @@ fn lines(
     args: &BakeArgs,
     session: &Session,
     sheets: &Sheets,
-    outcome: &Outcome,
-    seams: &SeamReport,
+    baked: &Baked,
+    work: &Work,
 ) -> Vec<String> {
     let (width, height) = args.size;
     let maps = if sheets.sheets.len() == 1 { "map" } else { "maps" };
@@ -194,17 +205,23 @@ fn lines(
         "{name}: {} triangles, {} {maps} of at most {width} x {height}, {} points, AO distance {}",
         session.geometry().triangle_count(),
         sheets.sheets.len(),
-        outcome.estimates.len(),
+        work.points,
         session.plan().distance
     )];
-    if let Some((visibility, error)) = report::means(outcome) {
-        lines.push(format!("mean visibility {visibility:.4}, expected error {error:.4}"));
+    if let Some(visibility) = mean(&baked.maps) {
+        lines.push(format!("mean visibility {visibility:.4}, expected error {:.4}", work.expected_rmse));
     }
-    if seams.places > 0 {
-        let share = 100.0 * seams.within as f64 / seams.places as f64;
+    let SeamReport { places, within, worst, .. } = baked.seams;
+    if places > 0 {
+        let share = 100.0 * within as f64 / places as f64;
+        let bound = MapOptions::default().seam_bound;
+        lines
+            .push(format!("seams: {share:.2} % of {places} places within {bound}, at most {worst:.3} apart"));
+    }
+    if baked.buried > 0 {
+        let buried = baked.buried;
         lines.push(format!(
-            "seams: {share:.2} % of {} places within {SEAM_BOUND}, at most {:.3} apart",
-            seams.places, seams.worst
+            "{buried} points lie inside other geometry; their texels took the values beside them"
         ));
     }
     lines

@@ -1,11 +1,11 @@
 //! `--explain`: the plan and why, in words; and whether the error asked for was reached.
 
 use crate::failure::Failure;
-use conray::{AoPlan, Choice, Explanation, Outcome};
+use conray::{AoPlan, Choice, Explanation, Work};
 
 /// Plain lines about how the budget was spent.
-pub(crate) fn lines(plan: &AoPlan, outcome: &Outcome) -> Vec<String> {
-    let Some(explanation) = &outcome.explanation else {
+pub(crate) fn lines(plan: &AoPlan, work: &Work) -> Vec<String> {
+    let Some(explanation) = &work.explanation else {
         return vec![format!("plan: method {} does one fixed amount of work", plan.method)];
     };
     let mut lines = vec![format!("budget: {}", budget(plan))];
@@ -23,7 +23,7 @@ pub(crate) fn lines(plan: &AoPlan, outcome: &Outcome) -> Vec<String> {
             round.seconds
         ));
     }
-    lines.push(format!("end: {}", outcome.ended));
+    lines.push(format!("end: {}", work.ended));
     lines
 }
 
@@ -73,12 +73,12 @@ fn choice(explanation: &Explanation) -> String {
 }
 
 /// What to tell where an error was asked for and not reached; a failure with `strict`.
-pub(crate) fn missed(plan: &AoPlan, outcome: &Outcome) -> Option<String> {
+pub(crate) fn missed(plan: &AoPlan, work: &Work) -> Option<String> {
     let error = plan.budget.error.filter(|_| plan.method.has_budget())?;
     // Nothing to estimate is no error.
-    let has_points = outcome.explanation.as_ref().is_some_and(|e| e.points > 0);
-    (has_points && outcome.expected_rmse > f64::from(error)).then(|| {
-        let (reached, ended) = (outcome.expected_rmse, outcome.ended);
+    let has_points = work.explanation.as_ref().is_some_and(|e| e.points > 0);
+    (has_points && work.expected_rmse > f64::from(error)).then(|| {
+        let (reached, ended) = (work.expected_rmse, work.ended);
         format!(
             "the expected error reached is {reached:.4}, not {error}: {ended}; allow more --time or --rays"
         )

@@ -35,10 +35,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let outcome = estimate(&session, &camera, args.state.as_deref(), interrupted, &reporter)?;
     write_outputs(args, &settings, &session, &camera, &outcome)?;
 
-    let missed = explain::missed(session.plan(), &outcome);
+    let missed = explain::missed(session.plan(), &outcome.work);
     let mut lines = summary_lines(&name, &view, args, &settings, &session, &outcome, camera.points().len());
-    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome);
-    let mut facts = report::work_json(&settings, session.report(), &outcome);
+    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome.work);
+    let mut facts = report::work_json(&settings, session.report(), &outcome.work);
     facts["scene"] = json!(name);
     facts["triangles"] = json!(session.geometry().triangle_count());
     facts["view"] = json!(view.name);
@@ -90,8 +90,6 @@ pub(crate) fn estimate<T: Target>(
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<Outcome, Failure> {
-    let stage = Stage::Estimate;
-    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), PROGRESS_UNITS);
     let (plan, points) = (session.plan(), target.points());
     // What is kept belongs to this work or is refused, before any time is spent.
     let begun = state.and_then(|path| Some((path, session.hybrid(plan, target)?)));
@@ -99,6 +97,25 @@ pub(crate) fn estimate<T: Target>(
         Some((path, hybrid)) => Some((path, session.load(hybrid, plan, points, path)?)),
         None => None,
     };
+    observed(interrupted, reporter, |control| match kept {
+        Some((path, mut hybrid)) => {
+            let outcome = session.run_hybrid(&mut hybrid, plan.budget, points, Instant::now(), control);
+            session.save(&hybrid, plan, points, path)?;
+            Ok(outcome)
+        }
+        None => Ok(session.run_target(target, control)?),
+    })
+}
+
+/// Carries out work that tells of progress and can be stopped.
+pub(crate) fn observed<T>(
+    interrupted: &AtomicBool,
+    reporter: &Reporter,
+    work: impl FnOnce(Control<'_>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let stage = Stage::Estimate;
+    let (done, told, total) = (AtomicU64::new(0), AtomicU64::new(0), PROGRESS_UNITS);
+    let start = Instant::now();
     reporter.event(Event::Started { stage });
     let progress = |work: usize| {
         let done = done.fetch_add(work as u64, Ordering::Relaxed) + work as u64;
@@ -108,17 +125,9 @@ pub(crate) fn estimate<T: Target>(
             reporter.event(Event::Progress { stage, done, total });
         }
     };
-    let control = Control { cancelled: interrupted, progress: &progress };
-    let outcome = match kept {
-        Some((path, mut hybrid)) => {
-            let outcome = session.run_hybrid(&mut hybrid, points, Instant::now(), control);
-            session.save(&hybrid, plan, points, path)?;
-            outcome
-        }
-        None => session.run_target(target, control)?,
-    };
-    reporter.event(Event::Finished { stage, seconds: outcome.seconds });
-    Ok(outcome)
+    let result = work(Control { cancelled: interrupted, progress: &progress })?;
+    reporter.event(Event::Finished { stage, seconds: start.elapsed().as_secs_f64() });
+    Ok(result)
 }
 
 fn write_outputs(
@@ -168,7 +177,7 @@ fn summary_lines(
         view.name,
         session.plan().distance
     )];
-    lines.extend(report::work_lines(settings, session.report(), outcome));
+    lines.extend(report::work_lines(settings, session.report(), &outcome.work));
     if let Some((visibility, error)) = report::means(outcome) {
         lines.push(format!("mean visibility {visibility:.4}, expected error {error:.4}"));
     }

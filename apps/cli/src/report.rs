@@ -1,7 +1,7 @@
 //! What the program tells while it works and when it is done.
 
 use crate::explain;
-use conray::{AoPlan, AoSettings, Budget, BuildReport, Event, Outcome, Stage, scene::Scene};
+use conray::{AoPlan, AoSettings, Budget, BuildReport, Event, Outcome, Stage, Work, scene::Scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -132,7 +132,7 @@ pub(crate) fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
 }
 
 /// Lines about builds, work and memory.
-pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, outcome: &Outcome) -> Vec<String> {
+pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, work: &Work) -> Vec<String> {
     let mut builds = format!("BVH {:.2} s, {}", build.bvh_seconds, bytes(build.bvh_bytes));
     if build.voxels > 0 {
         builds += &format!(
@@ -142,13 +142,13 @@ pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, outcome: &O
             bytes(build.octree_bytes)
         );
     }
-    let mut work = format!("method {}: {:.2} s", settings.method, outcome.seconds);
-    for (count, what) in [(outcome.rays, "rays"), (outcome.cones, "cones")] {
+    let mut took = format!("method {}: {:.2} s", settings.method, work.seconds);
+    for (count, what) in [(work.rays, "rays"), (work.cones, "cones")] {
         if count > 0 {
-            work += &format!(", {} {what}", millions(count));
+            took += &format!(", {} {what}", millions(count));
         }
     }
-    let mut lines = vec![builds, work];
+    let mut lines = vec![builds, took];
     if let Some(peak) = peak_memory() {
         lines.push(format!("peak memory {}", bytes(peak)));
     }
@@ -161,27 +161,27 @@ pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, outcome: &O
 }
 
 /// Adds whether the error was missed and, where asked for, the plan.
-pub(crate) fn add_budget(lines: &mut Vec<String>, explained: bool, plan: &AoPlan, outcome: &Outcome) {
-    lines.extend(explain::missed(plan, outcome));
+pub(crate) fn add_budget(lines: &mut Vec<String>, explained: bool, plan: &AoPlan, work: &Work) {
+    lines.extend(explain::missed(plan, work));
     if explained {
-        lines.extend(explain::lines(plan, outcome));
+        lines.extend(explain::lines(plan, work));
     }
 }
 
 /// The same facts for programs.
-pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, outcome: &Outcome) -> Value {
+pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, work: &Work) -> Value {
     json!({
-        "completed": outcome.completed,
-        "ended": outcome.ended,
-        "expected_rmse": Some(outcome.expected_rmse).filter(|e| e.is_finite()),
+        "completed": work.completed,
+        "ended": work.ended,
+        "expected_rmse": Some(work.expected_rmse).filter(|e| e.is_finite()),
         "target_error": target_error(settings),
-        "plan": outcome.explanation,
+        "plan": work.explanation,
         "bvh": { "seconds": build.bvh_seconds, "bytes": build.bvh_bytes },
         "octree": { "seconds": build.octree_seconds, "bytes": build.octree_bytes, "voxels": build.voxels },
-        "seconds": outcome.seconds,
-        "points": outcome.estimates.len(),
-        "rays": outcome.rays,
-        "cones": outcome.cones,
+        "seconds": work.seconds,
+        "points": work.points,
+        "rays": work.rays,
+        "cones": work.cones,
         "peak_memory_bytes": peak_memory(),
         "settings": settings,
         "changed_settings": changed_settings(settings).into_iter().collect::<std::collections::BTreeMap<_, _>>(),

@@ -46,18 +46,18 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
 
     let mut lines =
         vec![format!("{name}: {} points, AO distance {}", points.points().len(), session.plan().distance)];
-    lines.extend(report::work_lines(&settings, session.report(), &outcome));
+    lines.extend(report::work_lines(&settings, session.report(), &outcome.work));
     if let Some((visibility, error)) = report::means(&outcome) {
         lines.push(format!("mean visibility {visibility:.4}, expected error {error:.4}"));
     }
     lines.push(format!("wrote {}", args.output.display()));
-    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome);
-    let mut facts = report::work_json(&settings, session.report(), &outcome);
+    report::add_budget(&mut lines, args.ao.explain, session.plan(), &outcome.work);
+    let mut facts = report::work_json(&settings, session.report(), &outcome.work);
     facts["scene"] = json!(name);
     facts["mean_visibility"] = json!(report::means(&outcome).map(|m| m.0));
     facts["expected_error"] = json!(report::means(&outcome).map(|m| m.1));
     facts["files"] = json!([args.output]);
     reporter.summary(&lines, facts);
     stop_if(interrupted, "what was done by then has been written")?;
-    explain::check(args.ao.strict, explain::missed(session.plan(), &outcome))
+    explain::check(args.ao.strict, explain::missed(session.plan(), &outcome.work))
 }

@@ -34,10 +34,10 @@ fn main() -> Result<(), Error> {
         let mut bench = Bench::new(judged(name)?, &base, (args.size, args.size), args.truth)?;
         let mut row = |label: &str, settings: &AoSettings| -> Result<(), Error> {
             let (outcome, m) = bench.run(settings)?;
-            let rays = outcome.rays as f64 / outcome.estimates.len() as f64;
+            let rays = outcome.work.rays as f64 / outcome.estimates.len() as f64;
             println!(
                 "{:20} {label:22} {:8.4} {:+8.4} {:8.4} {rays:8.1} {:7.2}",
-                bench.name, m.rmse, m.bias, m.p95, outcome.seconds
+                bench.name, m.rmse, m.bias, m.p95, outcome.work.seconds
             );
             Ok(())
         };

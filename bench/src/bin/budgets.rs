@@ -54,10 +54,10 @@ fn main() -> Result<(), Box<dyn StdError>> {
                     }
                     println!(
                         "{name:15} {method:6} error {error:.3}: true {rmse:.5} expected {:.5}, {ratio:.2} of the goal, {:6.1} rays, {} rounds, {:.3} s",
-                        outcome.expected_rmse,
-                        outcome.rays as f64 / outcome.estimates.len() as f64,
-                        outcome.explanation.map_or(0, |e| e.rounds.len()),
-                        outcome.seconds
+                        outcome.work.expected_rmse,
+                        outcome.work.rays as f64 / outcome.estimates.len() as f64,
+                        outcome.work.explanation.map_or(0, |e| e.rounds.len()),
+                        outcome.work.seconds
                     );
                 }
             }
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
                 for seed in 0..args.seeds {
                     let settings = AoSettings { method, time: Some(seconds), seed, ..AoSettings::default() };
                     let (outcome, rmse) = run(&mut bench, &settings)?;
-                    taken.push(format!("{:.3} ({rmse:.4})", outcome.seconds));
+                    taken.push(format!("{:.3} ({rmse:.4})", outcome.work.seconds));
                 }
                 println!("{name:15} {method:6} time {seconds} s: {}", taken.join(" "));
             }

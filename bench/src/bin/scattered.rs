@@ -92,7 +92,7 @@ fn run(
 ) -> Result<(Vec<Estimate>, f64, f64), Error> {
     session.set_plan(&AoSettings { method, rays: Some(rays), seed, ..AoSettings::default() })?;
     let outcome = session.run_target(points, Control::none())?;
-    Ok((outcome.estimates, outcome.expected_rmse, outcome.seconds))
+    Ok((outcome.estimates, outcome.work.expected_rmse, outcome.work.seconds))
 }
 
 fn rmse(found: &[Estimate], truth: &[Estimate]) -> f64 {

@@ -123,11 +123,17 @@ fn runs(benches: &mut [Bench], args: &Args, constants: &HybridConstants) -> Resu
                 let mut hybrid =
                     hybrid.expect("the method is hybrid, of an image").with_constants(*constants);
                 let points = bench.target.points();
-                let outcome = bench.session.run_hybrid(&mut hybrid, points, Instant::now(), Control::none());
+                let outcome = bench.session.run_hybrid(
+                    &mut hybrid,
+                    bench.session.plan().budget,
+                    points,
+                    Instant::now(),
+                    Control::none(),
+                );
                 let squares = outcome.estimates.iter().zip(&bench.truth);
                 let squares = squares.map(|(e, truth)| f64::from(e.visibility - truth).powi(2)).sum::<f64>();
                 let rmse = (squares / bench.truth.len().max(1) as f64).sqrt();
-                runs.push(Run { error: rmse.ln(), belief: (outcome.expected_rmse / rmse).ln() });
+                runs.push(Run { error: rmse.ln(), belief: (outcome.work.expected_rmse / rmse).ln() });
             }
         }
     }

@@ -36,7 +36,7 @@ fn main() -> Result<(), Error> {
             for beta in [5.0, 10.0, 20.0, 40.0, 100.0, 200.0, 400.0] {
                 let (outcome, m) = bench.run(&AoSettings { max_rays, gamma, beta, ..base.clone() })?;
                 let points = outcome.estimates.len() as f64;
-                let (rays, cones) = (outcome.rays as f64 / points, outcome.cones as f64 / points);
+                let (rays, cones) = (outcome.work.rays as f64 / points, outcome.work.cones as f64 / points);
                 let merit = m.rmse * m.rmse * (rays + args.cone_cost * cones);
                 rows.push((merit, max_rays, gamma, beta, m.rmse, rays));
             }

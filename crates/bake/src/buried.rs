@@ -5,44 +5,93 @@
 
 use conray::Session;
 use conray_core::{Estimate, Frame, Geometry, Opacity, Ray, SurfacePoint, cosine_hemisphere, owen_sobol_2d};
+use conray_target::{AtlasMap, AtlasTarget, Target, TargetError, Texel};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Points that see more than this are not asked about: inside a closed thing at most half is open beside its wall, and what is further from it than
 /// the AO distance is read together with nothing outside.
 const MOST_OPEN: f32 = 0.6;
-/// Rays of the first look, and of the second where half of those met back faces.
+/// Rays of the first look, and of both where as many of those met back faces as would be inside.
 const FIRST: u32 = 8;
 const ALL: u32 = 32;
-/// Share of all rays that meet back faces from which on a point is inside.
-const INSIDE: f32 = 0.5;
+/// Share of all rays that meet back faces from which on a point is inside: more than the half that a wall without thickness takes of the floor at its foot.
+const INSIDE: f32 = 2.0 / 3.0;
 /// Where more of a surface than this lies inside, it is not buried: what is about it is turned inside out.
-const MOST_BURIED: f32 = 0.5;
+const MOST_BURIED: f64 = 0.5;
 
-/// Tells which points lie inside other geometry. `instances` are those of the points: where most of an instance seems buried, none of its points is.
-/// Back faces of materials that are seen from both sides, or through, do not count.
-pub fn buried(
-    session: &Session,
-    points: &[SurfacePoint],
-    estimates: &[Estimate],
-    instances: &[u32],
-) -> Vec<bool> {
-    let solid = solid(session.geometry());
+/// Texels that lie inside other geometry, of all portions of some maps.
+#[derive(Clone, Debug)]
+pub struct Buried {
+    /// For each mesh whether its back faces are the inside of something.
+    solid: Vec<bool>,
+    /// For each instance how many points it has, and how many of them lie inside.
+    counts: Vec<[u64; 2]>,
+    /// Texels of which parts lie inside, as they are without these, and an instance that lies inside there.
+    texels: Vec<(u32, Texel)>,
+}
+
+impl Buried {
+    /// None yet.
+    pub fn new(geometry: &Geometry) -> Self {
+        let counts = vec![[0; 2]; geometry.instances().len()];
+        Self { solid: solid(geometry), counts, texels: Vec::new() }
+    }
+
+    /// Finds those of a portion. `instances` are those of the target's surfaces.
+    ///
+    /// # Errors
+    /// Estimates that are not those of the target's points.
+    pub fn add(
+        &mut self,
+        session: &Session,
+        target: &AtlasTarget,
+        estimates: &[Estimate],
+        instances: &[u32],
+    ) -> Result<(), TargetError> {
+        let inside = inside(session, &self.solid, target.points(), estimates);
+        let of_points = target.surfaces().iter().map(|&surface| instances[surface as usize]);
+        let mut whose: HashMap<(u32, u32), u32> = HashMap::new();
+        for ((instance, &inside), texel) in of_points.zip(&inside).zip(target.texels()) {
+            let [all, within] = &mut self.counts[instance as usize];
+            (*all, *within) = (*all + 1, *within + u64::from(inside));
+            if inside {
+                whose.entry(texel).or_insert(instance);
+            }
+        }
+        if whose.is_empty() {
+            return Ok(());
+        }
+        let without: Vec<Estimate> = estimates
+            .iter()
+            .zip(&inside)
+            .map(|(estimate, &inside)| if inside { Estimate::PENDING } else { *estimate })
+            .collect();
+        let changed = target.resolve(&without)?.into_iter();
+        self.texels.extend(changed.filter_map(|texel| Some((*whose.get(&(texel.map, texel.at))?, texel))));
+        Ok(())
+    }
+
+    /// Takes from maps what lies inside, so that it is filled from its neighbours; tells how many points do. Of an instance that seems to lie
+    /// inside for the most part none does.
+    pub fn take_from(&self, maps: &mut [AtlasMap]) -> u64 {
+        let is_outside = |[all, within]: &[u64; 2]| *within as f64 > MOST_BURIED * *all as f64;
+        for (instance, texel) in &self.texels {
+            if !is_outside(&self.counts[*instance as usize]) {
+                maps[texel.map as usize].put(texel);
+            }
+        }
+        self.counts.iter().filter(|counts| !is_outside(counts)).map(|[_, within]| within).sum()
+    }
+}
+
+/// Tells which points lie inside. Back faces of materials that are seen from both sides, or through, do not count.
+fn inside(session: &Session, solid: &[bool], points: &[SurfacePoint], estimates: &[Estimate]) -> Vec<bool> {
     let one = |(point, estimate): (&SurfacePoint, &Estimate)| {
         let closed = !estimate.is_pending() && estimate.visibility <= MOST_OPEN;
-        closed && is_inside(session, &solid, point)
+        closed && is_inside(session, solid, point)
     };
-    let mut found: Vec<bool> =
-        session.install(|| points.par_iter().zip(estimates).with_min_len(64).map(one).collect());
-    let mut counts = vec![[0u32; 2]; session.geometry().instances().len()];
-    for (&instance, &buried) in instances.iter().zip(&found) {
-        let [all, inside] = &mut counts[instance as usize];
-        (*all, *inside) = (*all + 1, *inside + u32::from(buried));
-    }
-    for (&instance, buried) in instances.iter().zip(&mut found) {
-        let [all, inside] = counts[instance as usize];
-        *buried &= inside as f32 <= MOST_BURIED * all as f32;
-    }
-    found
+    session.install(|| points.par_iter().zip(estimates).with_min_len(64).map(one).collect())
 }
 
 /// For each mesh whether its back faces are the inside of something.
@@ -75,7 +124,8 @@ fn is_inside(session: &Session, solid: &[bool], point: &SurfacePoint) -> bool {
 mod tests {
     use super::*;
     use conray::{AoSettings, Distance};
-    use conray_core::{Affine3A, Material, TriangleMesh, Vec3};
+    use conray_core::{Affine3A, Material, TriangleMesh, Vec2, Vec3};
+    use conray_target::{Atlas, MapSize, Surface};
 
     /// A floor 4 x 4, and a closed box of 1 x 1 x 1 on the middle of it.
     fn scene(double_sided: bool, inside_out: bool) -> Session {
@@ -83,7 +133,9 @@ mod tests {
         geometry.add_material(Material::default());
         geometry.add_material(Material { double_sided, ..Material::default() });
         let floor = [(-2.0, -2.0), (-2.0, 2.0), (2.0, 2.0), (2.0, -2.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+        let uvs = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(|(u, v)| Vec2::new(u, v)).to_vec();
         let floor = TriangleMesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let floor = floor.with_uv_set(uvs).unwrap();
         let corner = |k: u32| {
             let bit = |axis: u32| f32::from((k >> axis & 1) as u8);
             Vec3::new(bit(0) - 0.5, bit(1), bit(2) - 0.5)
@@ -99,38 +151,83 @@ mod tests {
             let mesh = geometry.add_mesh(mesh).unwrap();
             geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
         }
-        let settings = AoSettings { rays: Some(16), distance: Distance::Infinite, ..AoSettings::default() };
-        Session::build(geometry, &settings).unwrap()
+        Session::build(geometry, &settings()).unwrap()
     }
 
-    /// Points of the floor, a row along x: buried where they lie under the box.
-    fn along(session: &Session, xs: &[f32]) -> Vec<bool> {
-        let points: Vec<SurfacePoint> = (0..)
-            .zip(xs)
-            .map(|(id, &x)| SurfacePoint::new(Vec3::new(x, 0.0, 0.1), Vec3::Y).with_id(id))
-            .collect();
-        let estimates = session.estimate(&points).unwrap();
-        buried(session, &points, &estimates, &vec![0; xs.len()])
+    fn settings() -> AoSettings {
+        AoSettings { rays: Some(16), distance: Distance::Infinite, ..AoSettings::default() }
     }
 
-    const XS: [f32; 7] = [-1.5, -0.7, -0.505, -0.495, 0.0, 0.52, 1.0];
+    /// A map of the part of the floor from 0 to `share` of its sides, with how many of its points are buried and which texels of the middle row.
+    fn floor(session: &Session, from: f32, to: f32) -> (u64, Vec<bool>) {
+        let corner = |x: f32, z: f32| Vec2::new((x + 2.0) / 4.0 * (to - from) + from, (z + 2.0) / 4.0);
+        let [a, b, c, d] = [(-2.0, -2.0), (-2.0, 2.0), (2.0, 2.0), (2.0, -2.0)].map(|(x, z)| corner(x, z));
+        let surfaces = vec![Surface { map: 0, uvs: vec![[a, b, c], [a, c, d]] }];
+        let atlas = Atlas { sizes: vec![MapSize { width: 64, height: 64 }], surfaces, supersample: 1 };
+        let mut buried = Buried::new(session.geometry());
+        let mut maps = atlas.maps();
+        for portion in atlas.portions(1000).unwrap() {
+            let target = atlas.texels(&portion, |_, triangle, weights| {
+                session.bvh().front_point(0, triangle as u32, [weights[1], weights[2]])
+            });
+            let estimates = session.estimate(target.points()).unwrap();
+            target.resolve(&estimates).unwrap().iter().for_each(|texel| maps[0].put(texel));
+            buried.add(session, &target, &estimates, &[0]).unwrap();
+        }
+        let count = buried.take_from(&mut maps);
+        (count, (0..64).map(|x| maps[0].visibility[33 * 64 + x].is_nan()).collect())
+    }
+
+    /// The texels of a row across a floor of 4 units that lie under a box of 1 in the middle.
+    fn under(x: usize) -> bool {
+        (24..40).contains(&x)
+    }
 
     #[test]
     fn the_floor_under_a_box_is_buried_and_that_beside_it_is_not() {
-        let expected = [false, false, false, true, true, false, false];
-        assert_eq!(along(&scene(false, false), &XS), expected);
+        let (count, row) = floor(&scene(false, false), 0.0, 1.0);
+        assert_eq!(row, (0..64).map(under).collect::<Vec<_>>());
+        assert_eq!(count, 16 * 16);
     }
 
     #[test]
     fn back_faces_that_are_meant_to_be_seen_bury_nothing() {
-        assert_eq!(along(&scene(true, false), &XS), [false; 7]);
+        assert_eq!(floor(&scene(true, false), 0.0, 1.0), (0, vec![false; 64]));
     }
 
     #[test]
     fn a_surface_that_would_be_buried_as_a_whole_is_not() {
-        // A box turned inside out shows its back faces to the whole floor beside it, as far as that is closed.
-        let near = [-0.51, -0.505, 0.505, 0.51];
-        assert_eq!(along(&scene(false, true), &near), [false; 4]);
-        assert_eq!(along(&scene(false, false), &[0.0, 0.1, 0.2, 1.5]), [false; 4]);
+        // A floor of 0.9 units under the box.
+        let mut geometry = scene(false, false).geometry().clone();
+        let small = geometry.meshes()[0].clone();
+        let mesh = geometry.add_mesh(small).unwrap();
+        let within = Affine3A::from_scale(Vec3::new(0.2, 1.0, 0.2));
+        let instance = geometry.add_instance(mesh, within).unwrap();
+        let session = Session::build(geometry, &settings()).unwrap();
+        let points: Vec<SurfacePoint> = (0..100)
+            .map(|id| SurfacePoint::new(Vec3::new(0.004 * id as f32, 0.0, 0.1), Vec3::Y).with_id(id))
+            .collect();
+        let estimates = session.estimate(&points).unwrap();
+        let found = inside(&session, &solid(session.geometry()), &points, &estimates);
+        assert!(found.iter().all(|inside| *inside), "each by itself lies inside");
+        let texel = Texel { visibility: f32::NAN, ..Texel::UNKNOWN };
+        let mut counts = vec![[0; 2]; session.geometry().instances().len()];
+        counts[instance as usize] = [100, 100];
+        let buried = Buried { solid: Vec::new(), counts, texels: vec![(instance, texel)] };
+        let map = AtlasMap {
+            width: 1,
+            height: 1,
+            visibility: vec![0.25],
+            error: vec![0.0],
+            bent: vec![Vec3::ZERO],
+            is_read: vec![true],
+        };
+        let mut maps = [map];
+        assert_eq!(buried.take_from(&mut maps), 0);
+        assert_eq!(maps[0].visibility, [0.25]);
+        let mut some = buried;
+        some.counts[instance as usize] = [200, 100];
+        assert_eq!(some.take_from(&mut maps), 100);
+        assert!(maps[0].visibility[0].is_nan());
     }
 }

@@ -1,8 +1,9 @@
 //! Ambient occlusion baked into models.
 //!
 //! ```text
-//! Scene -> sheets.rs: which maps, read by which surfaces -> places.rs: an AtlasTarget -> Session -> AtlasMap
-//!                                                                                                     |
+//! Scene -> sheets.rs: which maps, read by which surfaces -> places.rs: where to ask
+//!    -> run.rs: portion by portion an AtlasTarget -> Session -> AtlasMap, filled, level at seams, extended -----------------+
+//!                                                                                                            |
 //! model file -> document/: glTF kept as it is written <- assign.rs: a map becomes an occlusion texture <------+
 //! ```
 //!
@@ -15,14 +16,16 @@ mod assign;
 mod buried;
 mod document;
 mod places;
+mod run;
 mod sheets;
 mod unwrap;
 mod write;
 
 pub use assign::{AssignError, Origins, assign};
-pub use buried::buried;
+pub use buried::Buried;
 pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use places::Places;
+pub use run::{Baked, MapOptions, PORTION, bake_maps};
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;
 pub use write::{WriteError, Written, file_names, png, write_model};

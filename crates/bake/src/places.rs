@@ -1,55 +1,48 @@
 //! From maps to the places where AO is asked for, and where a smooth surface is cut.
 
-use crate::{Sheets, buried};
+use crate::Sheets;
 use conray::Session;
-use conray_core::{Estimate, Geometry, SurfacePoint, Vec2, Vec3};
-use conray_target::{AtlasTarget, Corner, MapSize, Seam, Surface, Target, seams};
+use conray_core::{Geometry, SurfacePoint, Vec2, Vec3};
+use conray_target::{Atlas, AtlasTarget, Corner, MapSize, Portion, Seam, Surface, seams};
 
 /// The surfaces that read maps.
 #[derive(Clone, Debug)]
 pub struct Places {
-    sizes: Vec<MapSize>,
-    instances: Vec<u32>,
-    surfaces: Vec<Surface>,
+    /// The maps and their surfaces.
+    pub atlas: Atlas,
+    /// The scene's instance of each surface.
+    pub instances: Vec<u32>,
 }
 
 impl Places {
-    /// Those of a model's maps. `v_up` where the first row of an image is at v = 1, as in OBJ files.
-    pub fn of(geometry: &Geometry, sheets: &Sheets, v_up: bool) -> Self {
+    /// Those of a model's maps, each texel divided into `supersample` parts in both directions. `v_up` where the first row of an image is at v = 1,
+    /// as in OBJ files.
+    pub fn of(geometry: &Geometry, sheets: &Sheets, v_up: bool, supersample: u32) -> Self {
         let (instances, surfaces) = sheets.surfaces(geometry, v_up).into_iter().unzip();
-        Self { sizes: sheets.sheets.iter().map(|sheet| sheet.size).collect(), instances, surfaces }
+        let sizes = sheets.sheets.iter().map(|sheet| sheet.size).collect();
+        Self { atlas: Atlas { sizes, surfaces, supersample: supersample.max(1) }, instances }
     }
 
-    /// The texels as a target: estimate it with [`Session::run_target`], and its [`resolve`](conray_target::Target::resolve) gives a map for each
-    /// sheet. For `supersample` see [`AtlasTarget::new`].
-    pub fn texels(&self, session: &Session, supersample: u32) -> AtlasTarget {
+    /// The texels of a portion as a target: estimate it with [`Session::run_target`], and its [`resolve`](conray_target::Target::resolve) gives what
+    /// becomes of each.
+    pub fn texels(&self, session: &Session, portion: &Portion) -> AtlasTarget {
         // Once for each triangle, not for each of its texels.
         let texel_sizes = |(surface, &instance): (&Surface, &u32)| {
-            let MapSize { width, height } = self.sizes[surface.map];
+            let MapSize { width, height } = self.atlas.sizes[surface.map];
             let scale = Vec2::new(width as f32, height as f32);
             let of = |(triangle, uvs): (u32, &[Vec2; 3])| {
                 texel_size(session.bvh().world_corners(instance, triangle), uvs.map(|uv| uv * scale))
             };
             (0..).zip(&surface.uvs).map(of).collect()
         };
-        let texel_sizes: Vec<Vec<f32>> = self.surfaces.iter().zip(&self.instances).map(texel_sizes).collect();
+        let texel_sizes: Vec<Vec<f32>> =
+            self.atlas.surfaces.iter().zip(&self.instances).map(texel_sizes).collect();
         let point = |surface: usize, triangle: usize, weights: [f32; 3]| {
             let place = [weights[1], weights[2]];
             let point = session.bvh().front_point(self.instances[surface], triangle as u32, place);
             SurfacePoint { footprint: texel_sizes[surface][triangle], ..point }
         };
-        session.install(|| AtlasTarget::new(self.sizes.clone(), &self.surfaces, supersample, point))
-    }
-
-    /// Takes back the estimates of texels that lie inside other geometry, so that they are filled from their neighbours; tells how many.
-    pub fn unbury(&self, session: &Session, texels: &AtlasTarget, estimates: &mut [Estimate]) -> usize {
-        let instances: Vec<u32> =
-            texels.surfaces().iter().map(|&surface| self.instances[surface as usize]).collect();
-        let buried = buried(session, texels.points(), estimates, &instances);
-        for (estimate, _) in estimates.iter_mut().zip(&buried).filter(|(_, buried)| **buried) {
-            *estimate = Estimate::PENDING;
-        }
-        buried.iter().filter(|buried| **buried).count()
+        session.install(|| self.atlas.texels(portion, point))
     }
 
     /// The seams of the surfaces.
@@ -63,7 +56,7 @@ impl Places {
                 Corner { position, normal }
             })
         };
-        session.install(|| seams(&self.surfaces, corners))
+        session.install(|| seams(&self.atlas.surfaces, corners))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Baked texels against what geometry says, texel by texel.
 
-use conray::{AoSettings, Control, Distance, Session};
-use conray_bake::{Places, Sheets, Unwrap};
+use conray::{AoSettings, Control, Distance, Session, Work};
+use conray_bake::{MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
 use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
-use conray_target::{AtlasMap, MapSize, Target};
+use conray_target::{AtlasMap, MapSize};
 
 /// Texels on each side, and the share of the map that the surface leaves free on each side.
 const SIDE: u32 = 48;
@@ -17,8 +17,8 @@ fn quad(corner: Vec3, along_u: Vec3, along_v: Vec3) -> TriangleMesh {
     TriangleMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap().with_uv_set(uvs).unwrap()
 }
 
-/// Bakes the first of some quads among all of them.
-fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32) -> (AtlasMap, f64) {
+/// Bakes the first of some quads among all of them, in portions of so many places.
+fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, portion: u64) -> (AtlasMap, f64) {
     let mut geometry = Geometry::default();
     for quad in quads {
         let mesh = geometry.add_mesh(quad).unwrap();
@@ -26,10 +26,12 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32) -> (
     }
     let session = Session::build(geometry, settings).unwrap();
     let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE }, Unwrap::No);
-    let target = Places::of(session.geometry(), &sheets, false).texels(&session, supersample);
-    let outcome = session.run_target(&target, Control::none()).unwrap();
-    let mut maps = target.resolve(&outcome.estimates).unwrap();
-    (maps.remove(0), outcome.expected_rmse)
+    let places = Places::of(session.geometry(), &sheets, false, supersample);
+    let options = MapOptions { portion, ..MapOptions::default() };
+    let mut baked = bake_maps(&session, &places, session.plan().budget, &options, Control::none()).unwrap();
+    let work = Work::of_parts(&baked.parts).unwrap();
+    assert_eq!(baked.portions, baked.parts.len());
+    (baked.maps.remove(0), work.expected_rmse)
 }
 
 /// Root mean square difference of the texels that are read to a function of the place on the quad, from 0 to 1 in both directions.
@@ -47,7 +49,8 @@ fn rmse(map: &AtlasMap, truth: impl Fn(f32, f32) -> f32) -> f32 {
     (sum / count as f32).sqrt()
 }
 
-/// A floor of length 1 beside a wall of height 1 that is very long. Its front is up: u runs along z, v along x.
+/// A floor of length 1 beside a wall of height 1 that is very long. Its front is up: u runs along z, v along x. The wall shows the floor its back, which
+/// buries nothing: half of what the floor's rim sees is open.
 fn corner() -> Vec<TriangleMesh> {
     let floor = quad(Vec3::new(0.0, 0.0, -0.5), Vec3::Z, Vec3::X);
     let wall = quad(Vec3::new(0.0, 0.0, -500.0), 1000.0 * Vec3::Z, Vec3::Y);
@@ -64,7 +67,7 @@ fn settings(rays: u32) -> AoSettings {
 
 #[test]
 fn a_floor_beside_a_wall() {
-    let (map, expected) = baked(corner(), &settings(256), 1);
+    let (map, expected) = baked(corner(), &settings(256), 1, PORTION);
     let found = rmse(&map, by_the_wall(1.0));
     assert!(found < 0.006, "{found}");
     assert!((f64::from(found) / expected).abs() < 1.6, "{found}, {expected} expected");
@@ -73,8 +76,15 @@ fn a_floor_beside_a_wall() {
 }
 
 #[test]
+fn in_portions_it_is_as_right() {
+    let (map, expected) = baked(corner(), &settings(256), 1, 500);
+    let found = rmse(&map, by_the_wall(1.0));
+    assert!(found < 0.006 && (f64::from(found) / expected).abs() < 1.6, "{found}, {expected} expected");
+}
+
+#[test]
 fn divided_texels_are_as_right() {
-    let (map, _) = baked(corner(), &settings(64), 2);
+    let (map, _) = baked(corner(), &settings(64), 2, PORTION);
     let found = rmse(&map, by_the_wall(1.0));
     assert!(found < 0.008, "{found}");
 }
@@ -85,7 +95,7 @@ fn a_floor_under_a_ceiling_that_reaches_nowhere_else() {
     // Configuration Factors", B-3: a rectangle parallel to an element under its corner), four times a quarter of it.
     let floor = quad(Vec3::new(-0.01, 0.0, -0.01), 0.02 * Vec3::Z, 0.02 * Vec3::X);
     let ceiling = quad(Vec3::new(-2.0, 1.0, -2.0), 4.0 * Vec3::Z, 4.0 * Vec3::X);
-    let (map, _) = baked(vec![floor, ceiling], &settings(1024), 1);
+    let (map, _) = baked(vec![floor, ceiling], &settings(1024), 1, PORTION);
     let (a, b) = (2.0f32, 2.0f32);
     let (p, q) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
     let quarter = (a / p * (b / p).atan() + b / q * (a / q).atan()) / std::f32::consts::TAU;

@@ -1,9 +1,9 @@
 //! Baked models on a disc: what is written beside what, and what other readers make of it.
 
 use conray::{AoSettings, Control, Session};
-use conray_bake::{Document, Origins, Places, Sheets, Unwrap, Written, write_model};
+use conray_bake::{Document, MapOptions, Origins, Places, Sheets, Unwrap, Written, bake_maps, write_model};
 use conray_scene::{Limits, load};
-use conray_target::{MapSize, PngDepth, Target};
+use conray_target::{MapSize, PngDepth};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -39,10 +39,9 @@ fn bake(source: &Path, to: &Path) -> Written {
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
     let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 }, Unwrap::Yes);
     let session = Session::build(scene.geometry, &settings).unwrap();
-    let texels = Places::of(session.geometry(), &sheets, false).texels(&session, 1);
-    let outcome = session.run_target(&texels, Control::none()).unwrap();
-    let mut maps = texels.resolve(&outcome.estimates).unwrap();
-    maps.iter_mut().for_each(|map| map.extend(None));
+    let places = Places::of(session.geometry(), &sheets, false, 1);
+    let budget = session.plan().budget;
+    let baked = bake_maps(&session, &places, budget, &MapOptions::default(), Control::none()).unwrap();
     let document = Document::open(&fs::read(source).unwrap()).unwrap();
     let vertices: Vec<&[u32]> = session
         .geometry()
@@ -51,7 +50,7 @@ fn bake(source: &Path, to: &Path) -> Written {
         .map(|instance| &scene.sources[instance.mesh as usize][..])
         .collect();
     let origins = Origins { instances: &scene.origins, vertices: &vertices };
-    write_model(to, source, document, &origins, &sheets, &maps, PngDepth::Eight).unwrap()
+    write_model(to, source, document, &origins, &sheets, &baked.maps, PngDepth::Eight).unwrap()
 }
 
 fn names(written: &Written) -> Vec<String> {

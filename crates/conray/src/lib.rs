@@ -33,6 +33,7 @@ mod passes;
 mod session;
 mod state;
 mod together;
+mod work;
 
 pub use conray_bvh::Hit;
 pub use conray_core::{
@@ -52,5 +53,5 @@ pub use conray_voxel::VoxelError;
 
 pub use error::Error;
 pub use events::{Event, Observer, Stage};
-pub use passes::Outcome;
 pub use session::{BuildReport, Session, SessionOptions};
+pub use work::{Outcome, Work};

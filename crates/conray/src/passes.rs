@@ -1,33 +1,12 @@
 //! Carrying out a plan in passes over all points, so that work stopped early still covers everything.
 
-use crate::{Error, Session};
+use crate::{Error, Outcome, Session, Work};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{Backend, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
+use conray_estimate::{AoPlan, Backend, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
 use std::{
     ops::Range,
     sync::atomic::{AtomicU64, Ordering},
 };
-
-/// What became of the points.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// One per point, in order; pending where the work was stopped before it reached the point.
-    pub estimates: Vec<Estimate>,
-    /// False where the caller stopped the work.
-    pub completed: bool,
-    /// What ended the work.
-    pub ended: Ended,
-    /// Expected RMSE of visibility over the points that can be estimated; infinite where one was not reached or there is none.
-    pub expected_rmse: f64,
-    /// Wall-clock time of the estimation alone.
-    pub seconds: f64,
-    /// Rays traced.
-    pub rays: u64,
-    /// Cones marched.
-    pub cones: u64,
-    /// How the budget was spent, and why; `None` for methods that do one fixed amount of work.
-    pub explanation: Option<Explanation>,
-}
 
 /// Rays of the first pass: a quarter of a bundle, which costs little more than fewer would.
 const FIRST_PASS: u32 = 16;
@@ -63,7 +42,17 @@ impl Session {
     /// # Errors
     /// What the backend lacks for the plan.
     pub fn run(&self, points: &[SurfacePoint], control: Control<'_>) -> Result<Outcome, Error> {
-        let budget = if self.plan.method.has_budget() { self.plan.budget } else { Budget::rays(1) };
+        self.run_within(&self.plan, points, control)
+    }
+
+    /// The same for another plan.
+    pub(crate) fn run_within(
+        &self,
+        plan: &AoPlan,
+        points: &[SurfacePoint],
+        control: Control<'_>,
+    ) -> Result<Outcome, Error> {
+        let budget = if plan.method.has_budget() { plan.budget } else { Budget::rays(1) };
         let meter = Meter::new(control, budget.seconds);
         let mut work =
             Passes { estimates: vec![Estimate::PENDING; points.len()], samples: 0, rounds: Vec::new() };
@@ -77,31 +66,33 @@ impl Session {
             }
             let Some(range) = next_pass(work.samples, wanted, budget.rays) else {
                 break match work.samples == budget.rays {
-                    true if !self.plan.method.has_budget() => Ended::Done,
+                    true if !plan.method.has_budget() => Ended::Done,
                     true => Ended::Rays,
                     false => Ended::Time,
                 };
             };
-            self.pass(&mut work, range, wanted.min(budget.rays.into()), points, &meter)?;
+            self.pass(plan, &mut work, range, wanted.min(budget.rays.into()), points, &meter)?;
         };
         meter.finish();
         let reached = work.estimates.iter().filter(|e| !e.is_pending()).count() as u64;
-        let marches_cones = self.plan.method.needs_octree();
-        Ok(Outcome {
+        let cones = if plan.method.needs_octree() { reached * plan.cones.cones().len() as u64 } else { 0 };
+        let done = Work {
             completed: ended != Ended::Cancelled,
             ended,
             expected_rmse: work.rmse(),
             seconds: meter.elapsed(),
+            points: points.len() as u64,
             rays: work.estimates.iter().map(|e| u64::from(e.rays)).sum(),
-            cones: if marches_cones { reached * self.plan.cones.cones().len() as u64 } else { 0 },
-            explanation: self.plan.method.has_budget().then(|| work.explanation(&budget)),
-            estimates: work.estimates,
-        })
+            cones,
+            explanation: plan.method.has_budget().then(|| work.explanation(&budget)),
+        };
+        Ok(Outcome { estimates: work.estimates, work: done })
     }
 
     /// Carries out one pass and adds it to those before.
     fn pass(
         &self,
+        plan: &AoPlan,
         work: &mut Passes,
         range: Range<u32>,
         wanted: f64,
@@ -117,7 +108,7 @@ impl Session {
             meter.at(samples / wanted);
         };
         let control = Control { progress: &progress, ..meter.control };
-        self.pool.install(|| self.backend.estimate(&self.plan, range, points, &mut found, control))?;
+        self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control))?;
         for (all, pass) in work.estimates.iter_mut().zip(&found) {
             *all = merge(all, before, pass, now);
         }

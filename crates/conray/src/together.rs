@@ -1,6 +1,6 @@
 //! Estimating the points of a target together, where the method lets neighbours share what they found.
 
-use crate::{Error, Outcome, Session};
+use crate::{Error, Outcome, Session, Work};
 use conray_core::{Layout, SurfacePoint};
 use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Method};
 use conray_target::Target;
@@ -20,36 +20,52 @@ impl Session {
     /// # Errors
     /// What the backend lacks for the plan.
     pub fn run_target<T: Target>(&self, target: &T, control: Control<'_>) -> Result<Outcome, Error> {
+        self.run_target_within(self.plan.budget, target, control)
+    }
+
+    /// The same for another budget than the plan's.
+    ///
+    /// # Errors
+    /// What the backend lacks for the plan.
+    pub fn run_target_within<T: Target>(
+        &self,
+        budget: Budget,
+        target: &T,
+        control: Control<'_>,
+    ) -> Result<Outcome, Error> {
         let start = Instant::now();
-        match self.hybrid(&self.plan, target) {
-            Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, target.points(), start, control)),
-            None => self.run(target.points(), control),
+        let plan = AoPlan { budget, ..self.plan.clone() };
+        match self.hybrid(&plan, target) {
+            Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, budget, target.points(), start, control)),
+            None => self.run_within(&plan, target.points(), control),
         }
     }
 
-    /// Goes on with a refinement until the plan's budget is spent: rays of all work on it, seconds since `start`.
+    /// Goes on with a refinement until a budget is spent: rays of all work on it, seconds since `start`.
     pub fn run_hybrid(
         &self,
         hybrid: &mut Hybrid,
+        budget: Budget,
         points: &[SurfacePoint],
         start: Instant,
         control: Control<'_>,
     ) -> Outcome {
         let spent = start.elapsed().as_secs_f64();
-        let seconds = self.plan.budget.seconds.map(|seconds| (seconds - spent).max(f64::MIN_POSITIVE));
-        let budget = Budget { seconds, ..self.plan.budget };
+        let seconds = budget.seconds.map(|seconds| (seconds - spent).max(f64::MIN_POSITIVE));
+        let budget = Budget { seconds, ..budget };
         let ended = self.refine(hybrid, &self.plan, points, budget, control);
         let estimates = self.install(|| hybrid.estimates());
-        Outcome {
+        let work = Work {
             completed: ended != Ended::Cancelled,
             ended,
             expected_rmse: hybrid.expected_rmse(),
             seconds: start.elapsed().as_secs_f64(),
+            points: points.len() as u64,
             rays: hybrid.rays(),
             cones: 0,
             explanation: Some(hybrid.explanation()),
-            estimates,
-        }
+        };
+        Outcome { estimates, work }
     }
 
     /// The beginning of a refinement of a target by method `hybrid`, without a ray yet; `None` for another method, and for scattered
@@ -58,8 +74,8 @@ impl Session {
         let points = target.points();
         match target.layout() {
             _ if plan.method != Method::Hybrid => None,
-            Layout::Image { width, height } => {
-                Some(self.install(|| Hybrid::of_image(plan, points, width, height)))
+            Layout::Image { first, width, height } => {
+                Some(self.install(|| Hybrid::of_image(plan, points, first, [width, height])))
             }
             Layout::Scattered if points.len() >= FEWEST_POINTS && plan.budget.rays >= FEWEST_RAYS => {
                 Some(self.install(|| Hybrid::of_scattered(plan, points)))

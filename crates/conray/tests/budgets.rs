@@ -51,8 +51,8 @@ fn the_error_asked_for_is_reached_in_nine_of_ten_runs() {
             for seed in 0..3 {
                 session.set_plan(&AoSettings { error: Some(error), seed, ..AoSettings::default() }).unwrap();
                 let outcome = session.run_target(&camera, Control::none()).unwrap();
-                assert_eq!(outcome.ended, Ended::Error);
-                assert!(outcome.expected_rmse <= f64::from(error));
+                assert_eq!(outcome.work.ended, Ended::Error);
+                assert!(outcome.work.expected_rmse <= f64::from(error));
                 // No more is done than a round that aimed at it: far less error than asked for is time wasted.
                 let rmse = rmse(&outcome.estimates, &truth);
                 assert!(rmse > 0.25 * f64::from(error), "{name}, {error}: {rmse}");
@@ -72,9 +72,12 @@ fn rays_alone_reach_an_error_too_and_do_not_go_far_beyond() {
     for error in [0.1, 0.05, 0.02] {
         session.set_plan(&AoSettings { error: Some(error), ..settings.clone() }).unwrap();
         let outcome = session.run_target(&camera, Control::none()).unwrap();
-        assert_eq!(outcome.ended, Ended::Error);
-        assert!(outcome.expected_rmse <= f64::from(error) && outcome.expected_rmse > 0.3 * f64::from(error));
-        rays.push(outcome.rays);
+        assert_eq!(outcome.work.ended, Ended::Error);
+        assert!(
+            outcome.work.expected_rmse <= f64::from(error)
+                && outcome.work.expected_rmse > 0.3 * f64::from(error)
+        );
+        rays.push(outcome.work.rays);
     }
     assert!(rays.is_sorted_by(|a, b| a < b), "{rays:?}");
 }
@@ -85,9 +88,9 @@ fn the_time_allowed_is_used_and_kept() {
         let settings = AoSettings { method, time: Some(0.5), ..AoSettings::default() };
         let (session, camera) = built_in("cornell", size, &settings);
         let outcome = session.run_target(&camera, Control::none()).unwrap();
-        assert_eq!(outcome.ended, Ended::Time, "{method}");
+        assert_eq!(outcome.work.ended, Ended::Time, "{method}");
         // Generous: tests share the machine. Without a clock the work would go on for hours.
-        assert!((0.2..2.0).contains(&outcome.seconds), "{method}: {} s", outcome.seconds);
+        assert!((0.2..2.0).contains(&outcome.work.seconds), "{method}: {} s", outcome.work.seconds);
     }
 }
 
@@ -97,9 +100,9 @@ fn the_least_that_can_be_done_covers_every_point() {
         let settings = AoSettings { method, time: Some(1e-6), ..AoSettings::default() };
         let (session, camera) = built_in("cornell", 64, &settings);
         let outcome = session.run_target(&camera, Control::none()).unwrap();
-        assert_eq!(outcome.ended, Ended::Time);
+        assert_eq!(outcome.work.ended, Ended::Time);
         assert!(outcome.estimates.iter().all(|e| (0.0..=1.0).contains(&e.visibility)));
-        assert!(outcome.rays > 0 && outcome.rays < 100 * camera.points().len() as u64);
+        assert!(outcome.work.rays > 0 && outcome.work.rays < 100 * camera.points().len() as u64);
     }
 }
 
@@ -117,11 +120,11 @@ fn whichever_comes_first_ends_the_work_and_progress_is_whole() {
             let never = AtomicBool::new(false);
             let outcome =
                 session.run_target(&camera, Control { cancelled: &never, progress: &progress }).unwrap();
-            assert_eq!(outcome.ended, ended, "{method} {error:?}");
+            assert_eq!(outcome.work.ended, ended, "{method} {error:?}");
             assert_eq!(done.into_inner(), PROGRESS_UNITS);
-            let spent = outcome.rays as f64 / camera.points().len() as f64;
+            let spent = outcome.work.rays as f64 / camera.points().len() as f64;
             assert!(spent <= 25.0, "{method} {error:?}: {spent}");
-            assert!(!outcome.explanation.unwrap().rounds.is_empty());
+            assert!(!outcome.work.explanation.unwrap().rounds.is_empty());
         }
     }
 }
@@ -137,9 +140,9 @@ fn part(session: &Session, camera: &CameraTarget, path: &Path, units: u64) -> (V
     let (plan, points) = (session.plan(), camera.points());
     let mut work = session.load(session.hybrid(plan, camera).unwrap(), plan, points, path).unwrap();
     let control = Control { cancelled: &stop, progress: &progress };
-    let outcome = session.run_hybrid(&mut work, points, Instant::now(), control);
+    let outcome = session.run_hybrid(&mut work, session.plan().budget, points, Instant::now(), control);
     session.save(&work, plan, points, path).unwrap();
-    (outcome.estimates, outcome.ended == Ended::Cancelled)
+    (outcome.estimates, outcome.work.ended == Ended::Cancelled)
 }
 
 #[test]

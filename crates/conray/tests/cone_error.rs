@@ -31,7 +31,7 @@ impl Judged {
         let pairs = || outcome.estimates.iter().zip(&self.truth);
         let off = pairs().map(|(e, t)| f64::from(e.visibility - t.visibility).powi(2)).sum::<f64>();
         let expected = pairs().map(|(e, _)| f64::from(e.error).powi(2)).sum::<f64>();
-        [(off / n).sqrt(), (expected / n).sqrt(), outcome.rays as f64 / n]
+        [(off / n).sqrt(), (expected / n).sqrt(), outcome.work.rays as f64 / n]
     }
 }
 

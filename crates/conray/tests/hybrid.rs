@@ -216,7 +216,7 @@ fn it_can_be_stopped_and_tells_how_far_it_is() {
     session.set_plan(&AoSettings { rays: Some(64), ..settings() }).unwrap();
     let at_once = AtomicBool::new(true);
     let stopped = session.run_target(&camera, Control { cancelled: &at_once, progress: &|_| {} }).unwrap();
-    assert_eq!(stopped.rays, 0);
+    assert_eq!(stopped.work.rays, 0);
     assert!(stopped.estimates.iter().all(Estimate::is_pending), "nothing is made up");
     let (cancelled, done) = (AtomicBool::new(false), AtomicU64::new(0));
     let progress = |units: usize| {
@@ -227,17 +227,17 @@ fn it_can_be_stopped_and_tells_how_far_it_is() {
     let outcome =
         session.run_target(&camera, Control { cancelled: &cancelled, progress: &progress }).unwrap();
     assert!(
-        !outcome.completed && outcome.rays > 20_000 && outcome.rays < 64 * 4096,
+        !outcome.work.completed && outcome.work.rays > 20_000 && outcome.work.rays < 64 * 4096,
         "{} {}",
-        outcome.completed,
-        outcome.rays
+        outcome.work.completed,
+        outcome.work.rays
     );
     assert_eq!(outcome.estimates.len(), camera.points().len());
     assert!(outcome.estimates.iter().all(|e| (0.0..=1.0).contains(&e.visibility)), "what is there is usable");
 }
 
 fn odd(points: &[SurfacePoint], width: u32, height: u32, plan: &AoPlan, session: &Session) -> Vec<Estimate> {
-    let mut hybrid = Hybrid::of_image(plan, points, width, height);
+    let mut hybrid = Hybrid::of_image(plan, points, 0, [width, height]);
     session.refine(&mut hybrid, plan, points, Budget::rays(64), Control::none());
     hybrid.estimates()
 }

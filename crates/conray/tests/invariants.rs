@@ -146,14 +146,14 @@ fn stopping_keeps_what_was_done_and_progress_adds_up() {
     };
     let never = AtomicBool::new(false);
     let outcome = session.run(&points, Control { cancelled: &never, progress: &progress }).unwrap();
-    assert!(outcome.completed);
+    assert!(outcome.work.completed);
     assert_eq!(done.load(Ordering::Relaxed), conray::PROGRESS_UNITS);
-    assert_eq!(outcome.rays, 8 * points.len() as u64);
+    assert_eq!(outcome.work.rays, 8 * points.len() as u64);
 
     let stop = AtomicBool::new(false);
     let after = |_| stop.store(true, Ordering::Relaxed);
     let outcome = session.run(&points, Control { cancelled: &stop, progress: &after }).unwrap();
-    assert!(!outcome.completed);
+    assert!(!outcome.work.completed);
     let reached = outcome.estimates.iter().filter(|e| !e.is_pending()).count();
     assert!(reached > 0 && reached < points.len(), "{reached} of {}", points.len());
 }

@@ -6,8 +6,10 @@ pub enum Layout {
     /// Nothing.
     #[default]
     Scattered,
-    /// Points are pixels: `id` is `y * width + x`, rows from the top, no id twice.
+    /// Points are pixels: `id` is `first + y * width + x`, rows from the top, no id twice.
     Image {
+        /// Id of the upper left pixel.
+        first: u32,
         /// Pixels in a row.
         width: u32,
         /// Rows.

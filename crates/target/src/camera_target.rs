@@ -59,7 +59,7 @@ impl Target for CameraTarget {
     }
 
     fn layout(&self) -> Layout {
-        Layout::Image { width: self.camera.width(), height: self.camera.height() }
+        Layout::Image { first: 0, width: self.camera.width(), height: self.camera.height() }
     }
 
     fn resolve(&self, estimates: &[Estimate]) -> Result<Layers, TargetError> {

@@ -36,6 +36,11 @@ pub enum TargetError {
         /// How many estimates came.
         found: usize,
     },
+    /// More places are asked about than there are ids of points.
+    #[error(
+        "the maps have more than 4294967295 texels, or parts of texels; choose smaller ones, or fewer parts"
+    )]
+    TooManyTexels,
     /// Two images or slices cannot be compared.
     #[error("cannot be compared: {0}")]
     Incomparable(String),
@@ -91,7 +96,7 @@ impl TargetError {
         match self {
             Self::Settings { .. } | Self::EstimateCount { .. } | Self::Incomparable(_) => Fault::Settings,
             Self::Unreadable { .. } | Self::Points { .. } | Self::Image { .. } => Fault::Input,
-            Self::Limits { .. } => Fault::Limits,
+            Self::Limits { .. } | Self::TooManyTexels => Fault::Limits,
             Self::Output { .. } => Fault::Output,
         }
     }

@@ -43,7 +43,8 @@ mod png;
 mod target;
 
 pub use atlas::{
-    AtlasMap, AtlasTarget, Corner, MapSize, Seam, SeamReport, SeamSide, Surface, UvUse, level, seams,
+    Atlas, AtlasMap, AtlasTarget, Corner, MapSize, Part, Portion, Seam, SeamReport, SeamSide, Surface, Texel,
+    UvUse, level, seams,
 };
 pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};

@@ -71,7 +71,7 @@ mod tests {
             SurfacePoint::new(Vec3::new(away(id), 0.0, 0.1 * (id / SIZE) as f32), Vec3::Y).with_id(id)
         };
         let points: Vec<SurfacePoint> = (0..SIZE * SIZE).map(point).collect();
-        let mut work = Hybrid::of_image(&plan, &points, SIZE, SIZE);
+        let mut work = Hybrid::of_image(&plan, &points, 0, [SIZE, SIZE]);
         work.refine(&plan, &bvh, &points, Budget::rays(16), Control::none());
         assert_eq!(work.choice, Choice::Hybrid);
         work.choice = Choice::Evenly;

@@ -86,9 +86,9 @@ pub struct Hybrid {
 }
 
 impl Hybrid {
-    /// Work on the points of an image of that size: the `id` of each is its pixel, `y * width + x`.
-    pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], width: u32, height: u32) -> Self {
-        Self::new(Pixels::of_image(points, width, height, plan.distance))
+    /// Work on the points of an image of that width and height: the `id` of each is its pixel, `first + y * width + x`.
+    pub fn of_image(plan: &AoPlan, points: &[SurfacePoint], first: u32, size: [u32; 2]) -> Self {
+        Self::new(Pixels::of_image(points, first, size, plan.distance))
     }
 
     /// Work on points that lie in no image: vertices, texels of many charts, places of a file. Neighbours are found in the world.

@@ -34,9 +34,12 @@ pub(super) const NO_POINT: u32 = u32::MAX;
 
 impl Pixels {
     /// Points of an image. Points whose id is no pixel, or that are not valid, have no place.
-    pub(super) fn of_image(points: &[SurfacePoint], width: u32, height: u32, distance: f32) -> Self {
-        let (width, height) = (width as usize, height as usize);
-        let cell = |index: usize| Some(points[index].id as usize).filter(|&id| id < width * height);
+    pub(super) fn of_image(points: &[SurfacePoint], first: u32, size: [u32; 2], distance: f32) -> Self {
+        let [width, height] = size.map(|side| side as usize);
+        let cell = |index: usize| {
+            let pixel = points[index].id.checked_sub(first)? as usize;
+            (pixel < width * height).then_some(pixel)
+        };
         Self::lay(points, [width, height], distance, cell, |index| points[index].footprint)
     }
 

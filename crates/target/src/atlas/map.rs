@@ -20,7 +20,35 @@ pub struct AtlasMap {
     pub is_read: Vec<bool>,
 }
 
+/// What became of a texel that a surface reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    /// Which map.
+    pub map: u32,
+    /// Its place in it, row by row.
+    pub at: u32,
+    /// Visibility, 1 is open; NaN where nothing is known.
+    pub visibility: f32,
+    /// Its expected error.
+    pub error: f32,
+    /// Mean open direction in world space, of length at most 1.
+    pub bent: Vec3,
+}
+
+impl Texel {
+    /// Nothing about the first texel of the first map.
+    pub const UNKNOWN: Self =
+        Self { map: 0, at: 0, visibility: f32::NAN, error: f32::INFINITY, bent: Vec3::ZERO };
+}
+
 impl AtlasMap {
+    /// Takes over a texel that is one of this map's.
+    pub fn put(&mut self, texel: &Texel) {
+        let at = texel.at as usize;
+        self.is_read[at] = true;
+        (self.visibility[at], self.error[at], self.bent[at]) = (texel.visibility, texel.error, texel.bent);
+    }
+
     /// A map that nothing was found for.
     pub(super) fn empty(width: u32, height: u32) -> Self {
         let count = width as usize * height as usize;

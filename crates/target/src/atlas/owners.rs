@@ -10,10 +10,10 @@ const BAND: u32 = 32;
 /// Stands for a texel that no triangle touches.
 const NONE: u32 = u32::MAX;
 
-/// The texels of a map, each with the triangle that covers most of it, or, where none covers any of it, the nearest whose taps read it.
+/// The texels of some rows of a map, each with the triangle that covers most of it, or, where none covers any of it, the nearest whose taps read it.
 pub(super) struct Owners {
     width: u32,
-    height: u32,
+    rows: Range<u32>,
     tap: f32,
     /// Index of the triangle, row by row.
     owner: Vec<u32>,
@@ -29,14 +29,14 @@ fn rank(touched: &Touched) -> f32 {
 }
 
 impl Owners {
-    /// Finds the owners of the texels of a map of that size. Triangles are told in texels; see [`touched`] for `tap`.
-    pub(super) fn new(triangles: &[[Vec2; 3]], [width, height]: [u32; 2], tap: f32) -> Self {
-        let bands = bands(triangles, height, tap);
-        let mut owner = vec![NONE; width as usize * height as usize];
-        let rows = owner.par_chunks_mut((width * BAND).max(1) as usize).zip(&bands).enumerate();
-        let overlaps: Vec<f64> = rows
+    /// Finds the owners of the texels in rows of a map of that width. Triangles are told in texels; see [`touched`] for `tap`.
+    pub(super) fn new(triangles: &[[Vec2; 3]], width: u32, rows: Range<u32>, tap: f32) -> Self {
+        let bands = bands(triangles, &rows, tap);
+        let mut owner = vec![NONE; width as usize * rows.len()];
+        let in_bands = owner.par_chunks_mut((width * BAND).max(1) as usize).zip(&bands).enumerate();
+        let overlaps: Vec<f64> = in_bands
             .map(|(band, (owner, these))| {
-                let rows = rows_of(band, height);
+                let rows = rows_of(band, &rows);
                 let mut best = vec![f32::NEG_INFINITY; owner.len()];
                 let mut covered = vec![0.0f32; owner.len()];
                 for &index in these {
@@ -54,7 +54,7 @@ impl Owners {
             })
             .collect();
         // In the order of the bands, so that the sum does not depend on threads.
-        Self { width, height, tap, owner, overlap: overlaps.iter().sum(), bands }
+        Self { width, rows, tap, owner, overlap: overlaps.iter().sum(), bands }
     }
 
     /// What becomes of the touched texels of each triangle that are its own, in bands of rows, row by row.
@@ -64,12 +64,12 @@ impl Owners {
         make: impl Fn(u32, Touched) -> T + Sync,
     ) -> Vec<Vec<T>> {
         let of_band = |(band, these): (usize, &Vec<u32>)| {
-            let rows = rows_of(band, self.height);
+            let rows = rows_of(band, &self.rows);
             let mut found: Vec<(u32, T)> = Vec::new();
             for &index in these {
                 touched(triangles[index as usize], self.width, rows.clone(), self.tap, |touched| {
                     let [x, y] = touched.texel;
-                    let at = y * self.width + x;
+                    let at = (y - self.rows.start) * self.width + x;
                     if self.owner[at as usize] == index {
                         found.push((at, make(index, touched)));
                     }
@@ -84,7 +84,7 @@ impl Owners {
     /// The triangle of a texel.
     #[cfg(test)]
     fn of(&self, [x, y]: [u32; 2]) -> Option<u32> {
-        Some(self.owner[(y * self.width + x) as usize]).filter(|&owner| owner != NONE)
+        Some(self.owner[((y - self.rows.start) * self.width + x) as usize]).filter(|&owner| owner != NONE)
     }
 }
 
@@ -111,27 +111,27 @@ impl UvUse {
         };
         let outside = uvs.iter().position(|uvs| !uvs.iter().all(inside));
         let triangles: Vec<[Vec2; 3]> = uvs.iter().map(|uvs| uvs.map(|uv| uv * side as f32)).collect();
-        let owners = Owners::new(&triangles, [side, side], 0.5);
+        let owners = Owners::new(&triangles, side, 0..side, 0.5);
         let area = |[a, b, c]: &[Vec2; 3]| 0.5 * f64::from((*b - *a).perp_dot(*c - *a).abs());
         let texels = f64::from(side) * f64::from(side);
         Self { area: uvs.iter().map(area).sum(), overlap: owners.overlap / texels, outside }
     }
 }
 
-fn rows_of(band: usize, height: u32) -> Range<u32> {
-    let start = band as u32 * BAND;
-    start..(start + BAND).min(height)
+fn rows_of(band: usize, within: &Range<u32>) -> Range<u32> {
+    let start = within.start + band as u32 * BAND;
+    start..(start + BAND).min(within.end)
 }
 
-fn bands(triangles: &[[Vec2; 3]], height: u32, tap: f32) -> Vec<Vec<u32>> {
-    let mut bands = vec![Vec::new(); height.div_ceil(BAND) as usize];
+fn bands(triangles: &[[Vec2; 3]], within: &Range<u32>, tap: f32) -> Vec<Vec<u32>> {
+    let mut bands = vec![Vec::new(); within.len().div_ceil(BAND as usize)];
     for (index, corners) in (0..).zip(triangles) {
         let [a, b, c] = corners.map(|corner| corner.y);
-        let rows = reached([a.min(b).min(c), a.max(b).max(c)], 0..height, tap);
+        let rows = reached([a.min(b).min(c), a.max(b).max(c)], within.clone(), tap);
         if rows.is_empty() || !(a + b + c).is_finite() {
             continue;
         }
-        for band in rows.start / BAND..=(rows.end - 1) / BAND {
+        for band in (rows.start - within.start) / BAND..=(rows.end - 1 - within.start) / BAND {
             bands[band as usize].push(index);
         }
     }
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn texels_go_to_the_triangle_that_covers_most_of_them() {
         let [a, b] = square(2.0, 30.0, 10.0);
-        let owners = Owners::new(&[a, b], [64, 64], 1.0);
+        let owners = Owners::new(&[a, b], 64, 0..64, 1.0);
         assert_eq!((owners.of([10, 31]), owners.of([3, 38])), (Some(0), Some(1)));
         // Read by taps at the rim, of two texels' distance no more.
         assert_eq!(owners.of([1, 35]), Some(1));
@@ -170,11 +170,23 @@ mod tests {
         let told = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let texels = |_, touched: Touched| touched.texel;
-            pool.install(|| Owners::new(&triangles, [80, 130], 1.0).each(&triangles, texels)).concat()
+            pool.install(|| Owners::new(&triangles, 80, 0..130, 1.0).each(&triangles, texels)).concat()
         };
         let found = told(1);
         assert!(found.is_sorted_by(|a, b| (a[1], a[0]) < (b[1], b[0])));
         assert_eq!(found, told(3));
+    }
+
+    #[test]
+    fn rows_by_themselves_have_the_owners_that_they_have_in_the_map() {
+        let triangles: Vec<[Vec2; 3]> =
+            (0..6).flat_map(|k| square(3.0 + k as f32 * 7.1, 20.3, 50.0)).collect();
+        let whole = Owners::new(&triangles, 64, 0..100, 1.0);
+        let rows = Owners::new(&triangles, 64, 37..90, 1.0);
+        let all = (37..90).flat_map(|y| (0..64).map(move |x| [x, y]));
+        assert!(all.clone().all(|texel| rows.of(texel) == whole.of(texel)));
+        let told = rows.each(&triangles, |_, touched| touched.texel).concat();
+        assert_eq!(told, all.filter(|&texel| whole.of(texel).is_some()).collect::<Vec<_>>());
     }
 
     #[test]
@@ -196,7 +208,7 @@ mod tests {
     fn what_is_covered_twice_is_measured() {
         let mut triangles = square(2.0, 2.0, 20.0).to_vec();
         triangles.extend(square(12.0, 12.0, 20.0));
-        let owners = Owners::new(&triangles, [40, 40], 1.0);
+        let owners = Owners::new(&triangles, 40, 0..40, 1.0);
         assert!((owners.overlap - 100.0).abs() < 1e-2, "{}", owners.overlap);
     }
 }

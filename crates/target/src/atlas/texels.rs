@@ -1,8 +1,13 @@
-//! Maps as a target: the surface points behind their texels.
+//! Maps as targets: the surface points behind their texels.
 
-use super::{coverage::Touched, map::AtlasMap, owners::Owners};
+use super::{
+    coverage::Touched,
+    map::{AtlasMap, Texel},
+    owners::Owners,
+    portion::{Part, Portion, portions},
+};
 use crate::{Target, TargetError, target::check_count};
-use conray_core::{Estimate, SurfacePoint, Vec2, Vec3};
+use conray_core::{Estimate, Layout, SurfacePoint, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Size of a map.
@@ -23,23 +28,36 @@ pub struct Surface {
     pub uvs: Vec<[Vec2; 3]>,
 }
 
-/// The texels of maps, as surface points: one for each texel that a surface reads, or one for each part of it that is covered where texels
-/// are divided (`supersample`).
-///
-/// Points are listed map by map, row by row; the `id` of each is its texel, counted through all maps, or its place in the list where texels
+/// Maps and what reads them.
+#[derive(Clone, Debug)]
+pub struct Atlas {
+    /// The size of each map.
+    pub sizes: Vec<MapSize>,
+    /// What reads them.
+    pub surfaces: Vec<Surface>,
+    /// Each texel is divided into so many parts in both directions, each asked about by itself; at least 1.
+    pub supersample: u32,
+}
+
+/// The texels in a portion of maps, as surface points: one for each texel that a surface reads, or one for each part of it that is covered where texels
 /// are divided.
+///
+/// Points are listed row by row of the portion's image, and are its pixels.
 #[derive(Clone, Debug)]
 pub struct AtlasTarget {
-    sizes: Vec<MapSize>,
-    /// Area of each map, in texels, that is covered more than once.
+    portion: Portion,
+    /// Area in texels that is covered more than once, of each part.
     overlaps: Vec<f64>,
     points: Vec<SurfacePoint>,
-    /// For each point its texel, counted through all maps, and how much it counts for there.
-    texels: Vec<(u32, f32)>,
+    /// For each point its texel, and how much it counts for there.
+    texels: Vec<(TexelOf, f32)>,
     /// For each point the surface that it lies on.
     surfaces: Vec<u32>,
     unusable: usize,
 }
+
+/// A texel of a map: the map, and its place there, row by row.
+type TexelOf = (u32, u32);
 
 /// A part of a texel, and the point that stands for it.
 struct Sample {
@@ -50,67 +68,110 @@ struct Sample {
     point: SurfacePoint,
 }
 
-impl AtlasTarget {
-    /// Finds the texels that surfaces read, in parallel; the result does not depend on threads.
+impl Atlas {
+    /// Divides the maps into portions of at most `most` places, or of one row where that is more.
+    ///
+    /// # Errors
+    /// [`TargetError::TooManyTexels`] where there are more places than ids.
+    pub fn portions(&self, most: u64) -> Result<Vec<Portion>, TargetError> {
+        portions(&self.sizes, self.supersample, most).ok_or(TargetError::TooManyTexels)
+    }
+
+    /// The maps, of which nothing is known yet.
+    pub fn maps(&self) -> Vec<AtlasMap> {
+        self.sizes.iter().map(|size| AtlasMap::empty(size.width, size.height)).collect()
+    }
+
+    /// About how many texels of a portion are read: those of the triangles whose middles lie in it.
+    pub fn reads(&self, portion: &Portion) -> f64 {
+        let of_part = |Part { map, rows }: &Part| {
+            let MapSize { width, height } = self.sizes[*map];
+            let rows = rows.start as f32..rows.end as f32;
+            let surfaces = self.surfaces.iter().filter(|surface| surface.map == *map);
+            let area = |[a, b, c]: &[Vec2; 3]| {
+                let is_in = rows.contains(&((a.y + b.y + c.y) / 3.0 * height as f32));
+                if is_in { 0.5 * f64::from((*b - *a).perp_dot(*c - *a).abs()) } else { 0.0 }
+            };
+            let shares: f64 = surfaces.flat_map(|surface| &surface.uvs).map(area).sum();
+            let texels = f64::from(width) * f64::from(height);
+            (shares * texels).min(f64::from(width) * f64::from(rows.end - rows.start))
+        };
+        portion.parts.iter().map(of_part).sum()
+    }
+
+    /// Finds the texels of a portion that surfaces read, in parallel; the result does not depend on threads.
     ///
     /// `point(surface, triangle, weights)` is the surface point at those weights of a triangle's corners; `id` is set here, and `footprint`
-    /// from what it tells is that of a texel. With `supersample` n each texel is divided into n x n parts. A point that is not
+    /// from what it tells is that of a texel. A point that is not
     /// valid ([`SurfacePoint::is_valid`]) is left out, and counted ([`AtlasTarget::unusable`]).
-    pub fn new(
-        sizes: Vec<MapSize>,
-        surfaces: &[Surface],
-        supersample: u32,
+    pub fn texels(
+        &self,
+        portion: &Portion,
         point: impl Fn(usize, usize, [f32; 3]) -> SurfacePoint + Sync,
-    ) -> Self {
-        let fine = supersample.max(1);
-        let mut target = Self {
-            sizes,
+    ) -> AtlasTarget {
+        let mut target = AtlasTarget {
+            portion: portion.clone(),
             overlaps: Vec::new(),
             points: Vec::new(),
             texels: Vec::new(),
             surfaces: Vec::new(),
             unusable: 0,
         };
-        let mut first = 0u32;
-        for (map, &MapSize { width, height }) in target.sizes.clone().iter().enumerate() {
-            let scale = Vec2::new((width * fine) as f32, (height * fine) as f32);
-            let mut triangles = Vec::new();
-            let mut whose = Vec::new();
-            for (s, surface) in surfaces.iter().enumerate().filter(|(_, surface)| surface.map == map) {
-                triangles.extend(surface.uvs.iter().map(|uvs| uvs.map(|uv| uv * scale)));
-                whose.extend((0..surface.uvs.len()).map(|triangle| (s, triangle)));
-            }
-            let owners = Owners::new(&triangles, [width * fine, height * fine], fine as f32);
-            let sample = |index: u32, touched: Touched| {
-                let (surface, triangle) = whose[index as usize];
-                let [x, y] = touched.texel.map(|place| place / fine);
-                let point = point(surface, triangle, touched.weights);
-                let texel = first + y * width + x;
-                Sample { texel, surface: surface as u32, area: touched.area, off: touched.off, point }
-            };
-            target.overlaps.push(owners.overlap / f64::from(fine * fine));
-            let mut samples: Vec<Sample> = owners.each(&triangles, sample).into_iter().flatten().collect();
-            if fine > 1 {
-                samples.par_sort_by_key(|sample| sample.texel);
-                samples = chosen(samples);
-            }
-            for Sample { texel, surface, area, point, .. } in samples {
-                if !point.is_valid() {
-                    target.unusable += 1;
-                    continue;
-                }
-                let part = target.points.len() as u32;
-                let id = if fine > 1 { part } else { texel };
-                target.points.push(SurfacePoint { id, footprint: point.footprint / fine as f32, ..point });
-                target.texels.push((texel, if area > 0.0 { area } else { 1.0 }));
-                target.surfaces.push(surface);
-            }
-            first += width * height;
+        let mut top = 0;
+        for part in &portion.parts {
+            self.add(&mut target, part, top, &point);
+            top += part.rows.len() as u32;
         }
         target
     }
 
-    /// Area of each map, in texels, that surfaces cover more than once: what is baked there is right for one of them only.
+    /// Adds the points of a part that begins `top` rows down in the portion.
+    fn add(
+        &self,
+        target: &mut AtlasTarget,
+        Part { map, rows }: &Part,
+        top: u32,
+        point: &(impl Fn(usize, usize, [f32; 3]) -> SurfacePoint + Sync),
+    ) {
+        let (fine, MapSize { width, height }) = (self.supersample, self.sizes[*map]);
+        let scale = Vec2::new((width * fine) as f32, (height * fine) as f32);
+        let mut triangles = Vec::new();
+        let mut whose = Vec::new();
+        for (s, surface) in self.surfaces.iter().enumerate().filter(|(_, surface)| surface.map == *map) {
+            triangles.extend(surface.uvs.iter().map(|uvs| uvs.map(|uv| uv * scale)));
+            whose.extend((0..surface.uvs.len()).map(|triangle| (s, triangle)));
+        }
+        let owners = Owners::new(&triangles, width * fine, rows.start * fine..rows.end * fine, fine as f32);
+        target.overlaps.push(owners.overlap / f64::from(fine * fine));
+        let Portion { size, first, .. } = &target.portion;
+        let sample = |index: u32, touched: Touched| {
+            let (surface, triangle) = whose[index as usize];
+            let [x, y] = touched.texel;
+            let point = point(surface, triangle, touched.weights);
+            let id = first + (y - rows.start * fine + top * fine) * size[0] + x;
+            let point = SurfacePoint { id, footprint: point.footprint / fine as f32, ..point };
+            let texel = y / fine * width + x / fine;
+            Sample { texel, surface: surface as u32, area: touched.area, off: touched.off, point }
+        };
+        let mut samples: Vec<Sample> = owners.each(&triangles, sample).into_iter().flatten().collect();
+        if fine > 1 {
+            samples.par_sort_by_key(|sample| sample.texel);
+            samples = chosen(samples);
+        }
+        for Sample { texel, surface, area, point, .. } in samples {
+            if !point.is_valid() {
+                target.unusable += 1;
+                continue;
+            }
+            target.points.push(point);
+            target.texels.push(((*map as u32, texel), if area > 0.0 { area } else { 1.0 }));
+            target.surfaces.push(surface);
+        }
+    }
+}
+
+impl AtlasTarget {
+    /// Area in texels that surfaces cover more than once, for each part of the portion: what is baked there is right for one of them only.
     pub fn overlaps(&self) -> &[f64] {
         &self.overlaps
     }
@@ -118,6 +179,11 @@ impl AtlasTarget {
     /// Points that were left out because they were not valid.
     pub fn unusable(&self) -> usize {
         self.unusable
+    }
+
+    /// The texel that each point stands for or is a part of: the map, and its place there, row by row.
+    pub fn texels(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.texels.iter().map(|(texel, _)| *texel)
     }
 
     /// The surface that each point lies on.
@@ -144,32 +210,25 @@ fn chosen(samples: Vec<Sample>) -> Vec<Sample> {
 }
 
 impl Target for AtlasTarget {
-    type Output = Vec<AtlasMap>;
+    type Output = Vec<Texel>;
 
     fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 
-    /// The maps, not extended yet; pending estimates leave their texels without a value.
-    fn resolve(&self, estimates: &[Estimate]) -> Result<Vec<AtlasMap>, TargetError> {
+    fn layout(&self) -> Layout {
+        let [width, height] = self.portion.size;
+        Layout::Image { first: self.portion.first, width, height }
+    }
+
+    /// The texels that surfaces read, for [`AtlasMap::put`]; those of pending estimates have no value.
+    fn resolve(&self, estimates: &[Estimate]) -> Result<Vec<Texel>, TargetError> {
         check_count(&self.points, estimates)?;
-        let mut maps: Vec<AtlasMap> =
-            self.sizes.iter().map(|size| AtlasMap::empty(size.width, size.height)).collect();
-        let of = |texel: u32| {
-            let mut at = texel as usize;
-            for (map, size) in self.sizes.iter().enumerate() {
-                let count = size.width as usize * size.height as usize;
-                if at < count {
-                    return (map, at);
-                }
-                at -= count;
-            }
-            unreachable!("points lie in the maps that they were made for")
-        };
+        let mut found = Vec::new();
         let mut parts = self.texels.iter().zip(estimates).peekable();
-        while let Some(&(&(texel, _), _)) = parts.peek() {
+        while let Some(&(&((map, at), _), _)) = parts.peek() {
             let (mut sum, mut visibility, mut error, mut bent) = (0.0f32, 0.0, 0.0, Vec3::ZERO);
-            while let Some((&(_, area), estimate)) = parts.next_if(|((other, _), _)| *other == texel) {
+            while let Some((&(_, area), estimate)) = parts.next_if(|((other, _), _)| *other == (map, at)) {
                 if !estimate.is_pending() && estimate.error.is_finite() {
                     sum += area;
                     visibility += area * estimate.visibility;
@@ -178,16 +237,13 @@ impl Target for AtlasTarget {
                     bent += area * estimate.bent;
                 }
             }
-            let (map, at) = of(texel);
-            let map = &mut maps[map];
-            map.is_read[at] = true;
+            let mut texel = Texel { map, at, ..Texel::UNKNOWN };
             if sum > 0.0 {
-                map.visibility[at] = visibility / sum;
-                map.error[at] = error / sum;
-                map.bent[at] = bent / sum;
+                texel = Texel { visibility: visibility / sum, error: error / sum, bent: bent / sum, ..texel };
             }
+            found.push(texel);
         }
-        Ok(maps)
+        Ok(found)
     }
 }
 
@@ -202,14 +258,30 @@ mod tests {
         Surface { map: 0, uvs: vec![[a, b, c], [a, c, d]] }
     }
 
-    fn target(size: u32, supersample: u32) -> AtlasTarget {
-        let surface = surface();
-        let sizes = vec![MapSize { width: size, height: size }];
-        let uvs = surface.uvs.clone();
-        AtlasTarget::new(sizes, &[surface], supersample, |_, triangle, weights| {
-            let uv: Vec2 = (0..3).map(|k| uvs[triangle][k] * weights[k]).sum();
-            SurfacePoint::new(Vec3::new(uv.x, 0.0, uv.y), Vec3::Y)
-        })
+    fn atlas(size: u32, supersample: u32) -> Atlas {
+        Atlas { sizes: vec![MapSize { width: size, height: size }], surfaces: vec![surface()], supersample }
+    }
+
+    /// The targets of its portions; the place of a point is that in the map.
+    fn targets(atlas: &Atlas, most: u64) -> Vec<AtlasTarget> {
+        let uvs = &atlas.surfaces[0].uvs;
+        let target = |portion: &Portion| {
+            atlas.texels(portion, |_, triangle, weights| {
+                let uv: Vec2 = (0..3).map(|k| uvs[triangle][k] * weights[k]).sum();
+                SurfacePoint::new(Vec3::new(uv.x, 0.0, uv.y), Vec3::Y)
+            })
+        };
+        atlas.portions(most).unwrap().iter().map(target).collect()
+    }
+
+    /// The maps when each point sees its place in x.
+    fn resolved(atlas: &Atlas, targets: &[AtlasTarget]) -> Vec<AtlasMap> {
+        let mut maps = atlas.maps();
+        for target in targets {
+            let texels = target.resolve(&estimates(target)).unwrap();
+            texels.iter().for_each(|texel| maps[texel.map as usize].put(texel));
+        }
+        maps
     }
 
     /// Visibility is the place in x.
@@ -221,13 +293,15 @@ mod tests {
 
     #[test]
     fn each_texel_that_is_read_has_a_value_of_the_surface() {
-        let target = target(16, 1);
-        assert_eq!(target.points().len(), 10 * 10, "8 texels and one on either side");
-        let map = &target.resolve(&estimates(&target)).unwrap()[0];
-        assert_eq!(map.missing(), 0);
-        for y in 0..16 {
-            for x in 0..16 {
-                let at = y * 16 + x;
+        let atlas = atlas(16, 1);
+        for (most, portions) in [(1 << 20, 1), (64, 4)] {
+            let targets = targets(&atlas, most);
+            assert_eq!(targets.len(), portions);
+            let points: usize = targets.iter().map(|target| target.points().len()).sum();
+            assert_eq!(points, 10 * 10, "8 texels and one on either side");
+            let map = &resolved(&atlas, &targets)[0];
+            assert_eq!(map.missing(), 0);
+            for (at, x, y) in (0..16 * 16).map(|at| (at, at % 16, at / 16)) {
                 assert_eq!(map.is_read[at], (3..13).contains(&x) && (3..13).contains(&y));
                 if map.is_read[at] {
                     let expected = ((x as f32 + 0.5) / 16.0).clamp(0.25, 0.75);
@@ -238,17 +312,32 @@ mod tests {
     }
 
     #[test]
+    fn points_are_the_pixels_of_their_portions() {
+        for supersample in [1, 2] {
+            let mut known = std::collections::HashSet::new();
+            for target in targets(&atlas(16, supersample), 64 * u64::from(supersample)) {
+                let Layout::Image { first, width, height } = target.layout() else { panic!("an image") };
+                for point in target.points() {
+                    assert!(known.insert(point.id), "twice");
+                    let [x, y] = [(point.id - first) % width, (point.id - first) / width];
+                    assert!(y < height);
+                    let place = (x as f32 + 0.5) / (16 * supersample) as f32;
+                    assert!((point.position.x - place).abs() < 1.5 / 16.0, "{x} {}", point.position);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn parts_of_a_texel_are_put_together() {
-        let target = target(16, 3);
-        let map = &target.resolve(&estimates(&target)).unwrap()[0];
+        let atlas = atlas(16, 3);
+        let targets = targets(&atlas, 1 << 20);
+        let map = &resolved(&atlas, &targets)[0];
         assert_eq!(map.is_read.iter().filter(|read| **read).count(), 100);
         // Nine parts each inside, one each about.
-        assert_eq!(target.points().len(), 64 * 9 + 36);
+        assert_eq!(targets[0].points().len(), 64 * 9 + 36);
         assert!((map.visibility[8 * 16 + 8] - 8.5 / 16.0).abs() < 1e-5);
         assert!((map.error[8 * 16 + 8] - 0.1).abs() < 1e-6);
-        let mut ids: Vec<u32> = target.points().iter().map(|point| point.id).collect();
-        ids.dedup();
-        assert_eq!(ids.len(), target.points().len());
     }
 
     #[test]
@@ -256,19 +345,21 @@ mod tests {
         let mut other = surface();
         other.map = 1;
         let sizes = vec![MapSize { width: 8, height: 8 }, MapSize { width: 12, height: 6 }];
-        let target = AtlasTarget::new(sizes, &[other, surface()], 1, |surface, _, _| {
+        let atlas = Atlas { sizes, surfaces: vec![other, surface()], supersample: 1 };
+        let portions = atlas.portions(1 << 20).unwrap();
+        assert_eq!(portions.len(), 1);
+        let target = atlas.texels(&portions[0], |surface, _, _| {
             SurfacePoint::new(Vec3::splat(surface as f32), if surface == 0 { Vec3::Y } else { Vec3::Z })
         });
-        let mut estimates: Vec<Estimate> = target
-            .points()
-            .iter()
-            .map(|point| Estimate { visibility: point.position.x, error: 0.0, ..Estimate::PENDING })
-            .collect();
-        estimates[0] = Estimate::PENDING;
-        let maps = target.resolve(&estimates).unwrap();
+        let mut found = estimates(&target);
+        found[0] = Estimate::PENDING;
+        let mut maps = atlas.maps();
+        target.resolve(&found).unwrap().iter().for_each(|texel| maps[texel.map as usize].put(texel));
         assert_eq!((maps[0].missing(), maps[1].missing()), (1, 0));
         assert!(maps[1].visibility.iter().all(|value| value.is_nan() || *value == 0.0));
         assert!(maps[0].visibility.iter().all(|value| value.is_nan() || *value == 1.0));
-        assert!(target.resolve(&estimates[1..]).is_err());
+        assert!(target.resolve(&found[1..]).is_err());
+        // Half of the first map in both directions, and of the second.
+        assert!((atlas.reads(&portions[0]) - (16.0 + 18.0)).abs() < 1e-3);
     }
 }

@@ -1,0 +1,163 @@
+//! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
+
+use crate::{Buried, Places};
+use conray::{Budget, Control, Error, PROGRESS_UNITS, Session, Work};
+use conray_target::{AtlasMap, Portion, SeamReport, Target, level};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How maps are made of estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapOptions {
+    /// Texels by which islands are extended; until they meet where it is `None`.
+    pub padding: Option<u32>,
+    /// Places that are asked about together at most: what is known of them takes some 400 bytes each.
+    pub portion: u64,
+    /// Differences at a seam up to this count as agreement.
+    pub seam_bound: f32,
+}
+
+/// Places that are asked about together unless memory is short: a map of 2048 x 2048.
+pub const PORTION: u64 = 1 << 22;
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self { padding: None, portion: PORTION, seam_bound: 0.02 }
+    }
+}
+
+/// Finished maps, and how they came about.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// A map for each sheet.
+    pub maps: Vec<AtlasMap>,
+    /// Area of each map, in texels, that surfaces cover more than once: what is baked there is right for one of them only.
+    pub overlaps: Vec<f64>,
+    /// Points inside other geometry.
+    pub buried: u64,
+    /// How far the two sides of seams are apart.
+    pub seams: SeamReport,
+    /// What each portion took.
+    pub parts: Vec<Work>,
+    /// Portions in all; those that were not begun when the work was stopped have no part, and no values but those beside them.
+    pub portions: usize,
+}
+
+/// Bakes maps within a budget: the error holds for each portion, the time is shared out by what is left to do. The result does not depend on
+/// threads, and on the clock only where time is the budget.
+///
+/// Progress is told in thousandths of the whole, [`PROGRESS_UNITS`] in all.
+///
+/// # Errors
+/// Maps that are too large, or what the backend lacks for the plan.
+pub fn bake_maps(
+    session: &Session,
+    places: &Places,
+    budget: Budget,
+    options: &MapOptions,
+    control: Control<'_>,
+) -> Result<Baked, Error> {
+    let portions = places.atlas.portions(options.portion)?;
+    let mut maps = places.atlas.maps();
+    let mut overlaps = vec![0.0; maps.len()];
+    let mut buried = Buried::new(session.geometry());
+    let mut parts: Vec<Work> = Vec::new();
+    let mut shares = Shares::of(places, &portions, budget);
+    for portion in &portions {
+        if control.is_cancelled() {
+            break;
+        }
+        let target = places.texels(session, portion);
+        for (part, overlap) in portion.parts.iter().zip(target.overlaps()) {
+            overlaps[part.map] += overlap;
+        }
+        let outcome = shares.next(control, |budget, control| {
+            let outcome = session.run_target_within(budget, &target, control)?;
+            Ok::<_, Error>((outcome.work.seconds, outcome))
+        })?;
+        buried.add(session, &target, &outcome.estimates, &places.instances)?;
+        for texel in target.resolve(&outcome.estimates)? {
+            maps[texel.map as usize].put(&texel);
+        }
+        parts.push(outcome.work);
+    }
+    let buried = buried.take_from(&mut maps);
+    let seams = session.install(|| {
+        maps.iter_mut().for_each(AtlasMap::fill);
+        let seams = places.seams(session);
+        level(&seams, &mut maps);
+        maps.iter_mut().for_each(|map| map.extend(options.padding));
+        SeamReport::of(&seams, &maps, options.seam_bound)
+    });
+    Ok(Baked { maps, overlaps, buried, seams, parts, portions: portions.len() })
+}
+
+/// What of the budget and of the progress belongs to each portion.
+struct Shares {
+    budget: Budget,
+    /// About how much there is to do in each.
+    weights: Vec<f64>,
+    done: usize,
+    told: u64,
+}
+
+impl Shares {
+    fn of(places: &Places, portions: &[Portion], budget: Budget) -> Self {
+        // One texel at least, so that a portion of lines alone has a share.
+        let weights = portions.iter().map(|portion| places.atlas.reads(portion).max(1.0)).collect();
+        Self { budget, weights, done: 0, told: 0 }
+    }
+
+    /// Carries out the work on the next portion with its part of the time that is left; `work` tells the seconds that it took.
+    fn next<T, E>(
+        &mut self,
+        control: Control<'_>,
+        work: impl FnOnce(Budget, Control<'_>) -> Result<(f64, T), E>,
+    ) -> Result<T, E> {
+        let left: f64 = self.weights[self.done..].iter().sum();
+        let share = self.weights[self.done] / left;
+        let budget = Budget { seconds: self.budget.seconds.map(|seconds| seconds * share), ..self.budget };
+        let units = ((PROGRESS_UNITS - self.told) as f64 * share).round() as u64;
+        let (found, told) = (AtomicU64::new(0), AtomicU64::new(0));
+        let progress = |more: usize| {
+            let done = found.fetch_add(more as u64, Ordering::Relaxed) + more as u64;
+            let due = (done * units / PROGRESS_UNITS).min(units);
+            let before = told.fetch_max(due, Ordering::Relaxed);
+            if due > before {
+                (control.progress)((due - before) as usize);
+            }
+        };
+        let (seconds, result) = work(budget, Control { progress: &progress, ..control })?;
+        self.budget.seconds = self.budget.seconds.map(|all| (all - seconds).max(f64::MIN_POSITIVE));
+        self.told += told.into_inner();
+        self.done += 1;
+        Ok(result)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{cell::Cell, sync::atomic::AtomicBool};
+
+    #[test]
+    fn portions_share_time_and_progress_by_what_is_to_do() {
+        let budget = Budget { seconds: Some(8.0), ..Budget::rays(64) };
+        let mut shares = Shares { budget, weights: vec![1.0, 2.0, 1.0], done: 0, told: 0 };
+        let told = AtomicU64::new(0);
+        let progress = |units: usize| _ = told.fetch_add(units as u64, Ordering::Relaxed);
+        let never = AtomicBool::new(false);
+        let control = Control { cancelled: &never, progress: &progress };
+        let allowed = Cell::new(Vec::new());
+        for seconds in [2.0, 3.0, 1.0] {
+            let run = |budget: Budget, control: Control<'_>| {
+                (0..PROGRESS_UNITS).for_each(|_| (control.progress)(1));
+                allowed.set([allowed.take(), vec![budget.seconds.unwrap()]].concat());
+                Ok::<_, ()>((seconds, ()))
+            };
+            shares.next(control, run).unwrap();
+        }
+        // A quarter, two thirds of what was left, and all that was.
+        assert_eq!(allowed.take(), [2.0, 4.0, 3.0]);
+        assert_eq!(told.into_inner(), PROGRESS_UNITS);
+    }
+}
