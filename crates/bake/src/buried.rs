@@ -12,11 +12,13 @@ use std::collections::HashMap;
 /// Points that see more than this are not asked about: inside a closed thing at most half is open beside its wall, and what is further from it than
 /// the AO distance is read together with nothing outside.
 const MOST_OPEN: f32 = 0.6;
-/// Rays of the first look, and of both where as many of those met back faces as would be inside.
-const FIRST: u32 = 8;
-const ALL: u32 = 32;
-/// Share of all rays that meet back faces from which on a point is inside: more than the half that a wall without thickness takes of the floor at its foot.
-const INSIDE: f32 = 2.0 / 3.0;
+/// Rays that look for back faces, and how many may meet something else, or nothing, inside: a third, less than the half that a wall without thickness leaves
+/// of what the floor at its foot sees.
+const RAYS: u32 = 24;
+const MOST_OTHERS: u32 = 8;
+/// Most points are clear after a few: outside where half of the first six meet something else, inside where all of the first eight meet back faces.
+const CLEARLY_OUT: [u32; 2] = [6, 3];
+const CLEARLY_IN: u32 = 8;
 /// Where more of a surface than this lies inside, it is not buried: what is about it is turned inside out.
 const MOST_BURIED: f64 = 0.5;
 
@@ -72,16 +74,20 @@ impl Buried {
         Ok(())
     }
 
-    /// Takes from maps what lies inside, so that it is filled from its neighbours; tells how many points do. Of an instance that seems to lie
-    /// inside for the most part none does.
-    pub fn take_from(&self, maps: &mut [AtlasMap]) -> u64 {
+    /// Takes from maps what lies inside, so that it is filled from its neighbours; tells how many points do, and the texels as they were. Of an
+    /// instance that seems to lie inside for the most part none does.
+    pub fn take_from(&self, maps: &mut [AtlasMap]) -> (u64, Vec<Texel>) {
         let is_outside = |[all, within]: &[u64; 2]| *within as f64 > MOST_BURIED * *all as f64;
+        let mut taken = Vec::new();
         for (instance, texel) in &self.texels {
             if !is_outside(&self.counts[*instance as usize]) {
-                maps[texel.map as usize].put(texel);
+                let map = &mut maps[texel.map as usize];
+                taken.push(map.texel(texel.map, texel.at));
+                map.put(texel);
             }
         }
-        self.counts.iter().filter(|counts| !is_outside(counts)).map(|[_, within]| within).sum()
+        let inside = self.counts.iter().filter(|counts| !is_outside(counts));
+        (inside.map(|[_, within]| within).sum(), taken)
     }
 }
 
@@ -106,18 +112,25 @@ fn solid(geometry: &Geometry) -> Vec<bool> {
 
 fn is_inside(session: &Session, solid: &[bool], point: &SurfacePoint) -> bool {
     let frame = Frame::from_normal(point.geometric_normal);
-    let meets_back = |k: &u32| {
-        let local = cosine_hemisphere(owen_sobol_2d(*k, point.id));
+    let meets_back = |k: u32| {
+        let local = cosine_hemisphere(owen_sobol_2d(k, point.id));
         let direction = frame.to_world(local).normalize();
         let ray = Ray { origin: point.ray_origin(), direction, t_max: f32::INFINITY };
         let Some(hit) = session.bvh().nearest(&ray) else { return false };
         let mesh = session.geometry().instances()[hit.instance as usize].mesh;
-        let front = session.bvh().front_point(hit.instance, hit.triangle, [hit.u, hit.v]);
-        solid[mesh as usize] && front.geometric_normal.dot(direction) > 0.0
+        solid[mesh as usize] && session.bvh().is_back(&hit, &ray)
     };
-    let first = (0..FIRST).filter(meets_back).count() as f32;
-    first >= INSIDE * FIRST as f32
-        && first + (FIRST..ALL).filter(meets_back).count() as f32 >= INSIDE * ALL as f32
+    let mut others = 0;
+    for k in 0..RAYS {
+        others += u32::from(!meets_back(k));
+        if others > MOST_OTHERS || (k < CLEARLY_OUT[0] && others >= CLEARLY_OUT[1]) {
+            return false;
+        }
+        if others == 0 && k + 1 == CLEARLY_IN {
+            break;
+        }
+    }
+    true
 }
 
 #[cfg(test)]
@@ -174,7 +187,7 @@ mod tests {
             target.resolve(&estimates).unwrap().iter().for_each(|texel| maps[0].put(texel));
             buried.add(session, &target, &estimates, &[0]).unwrap();
         }
-        let count = buried.take_from(&mut maps);
+        let (count, _) = buried.take_from(&mut maps);
         (count, (0..64).map(|x| maps[0].visibility[33 * 64 + x].is_nan()).collect())
     }
 
@@ -223,11 +236,12 @@ mod tests {
             is_read: vec![true],
         };
         let mut maps = [map];
-        assert_eq!(buried.take_from(&mut maps), 0);
+        assert_eq!(buried.take_from(&mut maps), (0, Vec::new()));
         assert_eq!(maps[0].visibility, [0.25]);
         let mut some = buried;
         some.counts[instance as usize] = [200, 100];
-        assert_eq!(some.take_from(&mut maps), 100);
+        let (count, taken) = some.take_from(&mut maps);
+        assert_eq!((count, taken[0].visibility), (100, 0.25));
         assert!(maps[0].visibility[0].is_nan());
     }
 }

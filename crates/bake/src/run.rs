@@ -2,7 +2,7 @@
 
 use crate::{Buried, Places};
 use conray::{Budget, Control, Error, PROGRESS_UNITS, Session, Work};
-use conray_target::{AtlasMap, Portion, SeamReport, Target, level};
+use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How maps are made of estimates.
@@ -80,10 +80,17 @@ pub fn bake_maps(
         }
         parts.push(outcome.work);
     }
-    let buried = buried.take_from(&mut maps);
+    let (buried, taken) = buried.take_from(&mut maps);
     let seams = session.install(|| {
-        maps.iter_mut().for_each(AtlasMap::fill);
         let seams = places.seams(session);
+        fill(&seams, &mut maps);
+        // What lies inside as a whole, with all that it hangs together with, keeps what it sees there.
+        for texel in taken {
+            let map = &mut maps[texel.map as usize];
+            if map.visibility[texel.at as usize].is_nan() {
+                map.put(&texel);
+            }
+        }
         level(&seams, &mut maps);
         maps.iter_mut().for_each(|map| map.extend(options.padding));
         SeamReport::of(&seams, &maps, options.seam_bound)

@@ -141,6 +141,24 @@ impl Bvh {
     }
 }
 
+impl Bvh {
+    /// True where a ray met the back of a triangle: the front is as [`Bvh::front_point`] says.
+    ///
+    /// # Panics
+    /// Where the hit's instance or triangle does not exist: hits come from this hierarchy's queries.
+    pub fn is_back(&self, hit: &Hit, ray: &Ray) -> bool {
+        let [a, b, c] = self.world_corners(hit.instance, hit.triangle).map(|p| p.as_dvec3());
+        let placed = &self.geometry.instances()[hit.instance as usize];
+        let mesh = &self.geometry.meshes()[placed.mesh as usize];
+        let by_winding = (b - a).cross(c - a);
+        // Of a mirrored placement both turn round: whether they agree stays, and the winding is the one to turn.
+        let mirrored = wide_matrix(&placed.world_from_mesh).0.determinant() < 0.0;
+        let disagrees = interpolated_normal(mesh, hit, &placed.world_from_mesh)
+            .is_some_and(|shading| shading.dot(by_winding) < 0.0);
+        (by_winding.dot(ray.direction.as_dvec3()) > 0.0) != (mirrored != disagrees)
+    }
+}
+
 /// Unit normal of a triangle by the right-hand rule on its corners; `None` where they lie on a line.
 fn plane_normal(corners: &[Vec3; 3]) -> Option<DVec3> {
     let [a, b, c] = corners.map(|p| p.as_dvec3());

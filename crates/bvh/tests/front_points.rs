@@ -76,3 +76,20 @@ fn points_on_the_rim_stay_on_the_seen_side_of_what_meets_it() {
     }
     assert!(behind > 0, "points as they are do see through: the test can fail");
 }
+
+#[test]
+fn a_ray_from_below_the_front_meets_the_back() {
+    let normals = [Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.6, 0.0, -0.8), Vec3::NAN];
+    let scales = [Vec3::ONE, Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, 1.0, -1.0), -Vec3::ONE];
+    for (normal, scale) in normals.iter().flat_map(|n| scales.map(|scale| (*n, scale))) {
+        let placement = Affine3A::from_scale(scale);
+        let bvh = Scene::default().with_opacity(triangle(normal), Opacity::Constant(1.0), &[placement]).bvh();
+        let point = bvh.front_point(0, 0, [0.25, 0.25]);
+        for side in [1.0, -1.0] {
+            let direction = -side * point.geometric_normal;
+            let ray = Ray { origin: point.position - direction, direction, t_max: 2.0 };
+            let hit = bvh.nearest(&ray).unwrap();
+            assert_eq!(bvh.is_back(&hit, &ray), side < 0.0, "{normal} {scale}");
+        }
+    }
+}

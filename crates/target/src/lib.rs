@@ -44,7 +44,7 @@ mod target;
 
 pub use atlas::{
     Atlas, AtlasMap, AtlasTarget, Corner, MapSize, Part, Portion, Seam, SeamReport, SeamSide, Surface, Texel,
-    UvUse, level, seams,
+    UvUse, fill, level, seams,
 };
 pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};

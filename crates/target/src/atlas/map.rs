@@ -42,6 +42,12 @@ impl Texel {
 }
 
 impl AtlasMap {
+    /// A texel as it is, told to be of the map of that number.
+    pub fn texel(&self, map: u32, at: u32) -> Texel {
+        let k = at as usize;
+        Texel { map, at, visibility: self.visibility[k], error: self.error[k], bent: self.bent[k] }
+    }
+
     /// Takes over a texel that is one of this map's.
     pub fn put(&mut self, texel: &Texel) {
         let at = texel.at as usize;
@@ -87,7 +93,7 @@ impl AtlasMap {
     }
 
     /// Gives values to texels that surfaces read and that have none, from their own island, however far.
-    pub fn fill(&mut self) {
+    pub(super) fn fill(&mut self) {
         self.grow(None, true);
     }
 

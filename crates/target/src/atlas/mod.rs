@@ -6,10 +6,11 @@
 //!    -> texels.rs: a portion's surface points, in an image
 //!                                       |  estimates
 //!    map.rs: values of texels <- resolve +
-//!    grow.rs: islands extended until they meet
+//!    grow.rs: islands extended until they meet; across.rs: texels without a value filled, also over seams
 //!    seams.rs: the two sides of cuts in a smooth surface, compared; level.rs: and made to agree
 //! ```
 
+mod across;
 mod coverage;
 mod grow;
 mod level;
@@ -19,6 +20,7 @@ mod portion;
 mod seams;
 mod texels;
 
+pub use across::fill;
 pub use level::level;
 pub use map::{AtlasMap, Texel};
 pub use owners::UvUse;
