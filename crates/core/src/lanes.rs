@@ -42,7 +42,13 @@ pub fn owen_sobol_2d_lanes<S: Simd>(simd: S, first: u32, seed: u32) -> [f32x16<S
 
 /// Directions about +z for points of the unit square, their density the cosine over pi.
 #[inline(always)]
-pub fn cosine_hemisphere_lanes<S: Simd>(simd: S, [x, y]: [f32x16<S>; 2]) -> [f32x16<S>; 3] {
+pub fn cosine_hemisphere_lanes<S: Simd>(simd: S, square: [f32x16<S>; 2]) -> [f32x16<S>; 3] {
+    cosine_cone_lanes(simd, square, 1.0)
+}
+
+/// Directions within a cone about +z, their density proportional to the cosine; `reach` is the sine of the half-angle, in (0, 1].
+#[inline(always)]
+pub fn cosine_cone_lanes<S: Simd>(simd: S, [x, y]: [f32x16<S>; 2], reach: f32) -> [f32x16<S>; 3] {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let (x, y) = (x + x - one, y + y - one);
     let steep = x.abs().simd_gt(y.abs());
@@ -51,6 +57,8 @@ pub fn cosine_hemisphere_lanes<S: Simd>(simd: S, [x, y]: [f32x16<S>; 2]) -> [f32
     // The middle of the square: zero over zero.
     let angle = radius.simd_eq(zero).select(zero, angle);
     let (sin, cos) = sin_cos_of_eighth(simd, angle);
+    // A disc is the foot of the hemisphere (Malley's method), a smaller one that of the cone.
+    let radius = radius * splat(simd, reach);
     let (x, y) = (radius * steep.select(cos, sin), radius * steep.select(sin, cos));
     let z = (one - x * x - y * y).max(zero).sqrt();
     [x, y, z]

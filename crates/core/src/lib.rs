@@ -31,7 +31,7 @@ pub use frame::Frame;
 pub use geometry::{Geometry, GeometryError, Instance, Material, TriangleMesh};
 pub use glam::{Affine2, Affine3A, Mat3A, Mat4, Quat, Vec2, Vec3, Vec3A};
 pub use hemisphere::{Cone, ConeSet, HemisphereCones};
-pub use lanes::{LANES, cosine_hemisphere_lanes, owen_sobol_2d_lanes, simd_levels};
+pub use lanes::{LANES, cosine_cone_lanes, cosine_hemisphere_lanes, owen_sobol_2d_lanes, simd_levels};
 pub use layout::Layout;
 pub use moments::Moments;
 pub use opacity::{AlphaTexture, Opacity, TextureOpacity, Wrap};

@@ -12,6 +12,10 @@ pub struct AoPlan {
     pub distance: f32,
     /// How an occluder's weight fades.
     pub falloff: Falloff,
+    /// Sine of the half-angle of the cone in which rays leave, in (0, 1]: 1 is the whole hemisphere.
+    pub reach: f32,
+    /// Sine of the angle above the horizon below which occluders fade; 0 fades none.
+    pub bias: f32,
     /// What methods `rays` and `hybrid` may spend or must reach.
     pub budget: Budget,
     /// How method `rays` chooses directions.
@@ -46,6 +50,9 @@ impl AoPlan {
             method: settings.method,
             distance,
             falloff: settings.falloff,
+            // 180 degrees are the whole hemisphere to the bit.
+            reach: if settings.spread < 180.0 { (0.5 * settings.spread).to_radians().sin() } else { 1.0 },
+            bias: settings.bias_angle.to_radians().sin(),
             budget: Budget::of(settings),
             sampling: settings.sampling,
             cones: HemisphereCones::new(ConeSet::from_count(settings.cones).expect("validated")),

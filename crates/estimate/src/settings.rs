@@ -121,6 +121,10 @@ pub mod limits {
     pub const TIME: RangeInclusive<f64> = 1e-6..=1e6;
     /// Expected RMSE of visibility.
     pub const ERROR: RangeInclusive<f32> = 1e-5..=0.5;
+    /// Aperture of the cone in which rays leave, in degrees.
+    pub const SPREAD: RangeInclusive<f32> = 1.0..=180.0;
+    /// Degrees above the horizon below which occluders fade.
+    pub const BIAS_ANGLE: RangeInclusive<f32> = 0.0..=89.0;
     /// Leaves along the longest side of the scene; powers of two only.
     pub const VOXELS: RangeInclusive<u32> = 16..=2048;
     /// The paper's beta.
@@ -147,6 +151,12 @@ pub struct AoSettings {
     pub rays: Option<u32>,
     /// Methods `rays` and `hybrid`: most seconds of estimation, in [`limits::TIME`].
     pub time: Option<f64>,
+    /// Methods `rays` and `hybrid`: aperture of the cone about the normal in which rays leave, cosine-weighted, in degrees, in
+    /// [`limits::SPREAD`]; 180 is the whole hemisphere.
+    pub spread: f32,
+    /// Methods `rays` and `hybrid`: angle above the horizon, in degrees, in [`limits::BIAS_ANGLE`], below which occluders count less, and at the
+    /// horizon not at all: hides the facets of surfaces that are shaded smoothly. 0 is the truth.
+    pub bias_angle: f32,
     /// Methods `rays` and `hybrid`: the expected RMSE that is enough, in [`limits::ERROR`].
     pub error: Option<f32>,
     /// Method `rays`: how directions are chosen. Other methods keep to Sobol points.
@@ -180,6 +190,8 @@ impl Default for AoSettings {
             rays: None,
             time: None,
             error: None,
+            spread: 180.0,
+            bias_angle: 0.0,
             sampling: Sampling::default(),
             voxels: 512,
             cones: 16,
@@ -227,6 +239,19 @@ impl AoSettings {
             return bad("falloff", &self.falloff, "needs a finite --distance");
         }
         self.validate_budget()?;
+        in_range("spread", self.spread, limits::SPREAD)?;
+        in_range("bias-angle", self.bias_angle, limits::BIAS_ANGLE)?;
+        let defaults = Self::default();
+        let lacks = |option, found: f32| {
+            let expected = format!("needs --method rays or hybrid, not {}", self.method);
+            Err(SettingsError { option, found: found.to_string(), expected })
+        };
+        if !self.method.has_budget() && self.spread != defaults.spread {
+            return lacks("spread", self.spread);
+        }
+        if !self.method.has_budget() && self.bias_angle != defaults.bias_angle {
+            return lacks("bias-angle", self.bias_angle);
+        }
         if !limits::VOXELS.contains(&self.voxels) || !self.voxels.is_power_of_two() {
             return bad("voxels", &self.voxels, "must be a power of two from 16 to 2048");
         }

@@ -28,6 +28,13 @@ pub(crate) struct AoArgs {
     /// Prints the plan that was made, from what, and what ended the work
     #[arg(long)]
     pub(crate) explain: bool,
+    /// Methods rays and hybrid: aperture of the cone about the normal in which rays leave, in degrees, from 1 to 180
+    #[arg(long, value_name = "DEG", default_value_t = AoSettings::default().spread, allow_negative_numbers = true)]
+    spread: f32,
+    /// Methods rays and hybrid: degrees above the horizon, from 0 to 89, below which occluders count less, to hide the facets of
+    /// surfaces that are shaded smoothly
+    #[arg(long, value_name = "DEG", default_value_t = AoSettings::default().bias_angle, allow_negative_numbers = true)]
+    bias_angle: f32,
     /// How method rays draws its directions: sobol (best), stratified or random (for comparisons)
     #[arg(long, default_value_t = AoSettings::default().sampling)]
     sampling: Sampling,
@@ -95,6 +102,8 @@ impl AoArgs {
             rays: self.rays,
             time: self.time,
             error: self.error,
+            spread: self.spread,
+            bias_angle: self.bias_angle,
             sampling: self.sampling,
             ..self.shared.settings()
         }

@@ -91,7 +91,7 @@ fn each(
 fn fill<S: Simd>(simd: S, squares: &Squares, samples: Range<u32>, rays: &PointRays<'_>, batch: &mut Batch) {
     let side = f32x16::splat(simd, SIDE as f32);
     for group in 0..samples.len() / LANES {
-        let drawn = squares.sixteen(simd, samples.start + (group * LANES) as u32, &rays.frame);
+        let drawn = squares.sixteen(simd, samples.start + (group * LANES) as u32, &rays.frame, rays.reach());
         let [u, v] = drawn.square;
         let of_group: [f32; LANES] = ((u * side).floor() + (v * side).floor() * side).into();
         let cells = &mut batch.cells[group * LANES..][..LANES];

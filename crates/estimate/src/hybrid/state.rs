@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | 8 | `conrayhy` |
 //! | 4 | version |
-//! | 16 each | fingerprints: scene, points, distance, falloff, seed |
+//! | 16 each | fingerprints: scene, points, distance, what rays count and where they go, seed |
 //! | 8 | places |
 //! | 4, 4, 4, 1, 1, 8 | units of the lattice, how units and bundles err, started, evenly, rays in no tally |
 //! | 8 + 24 n | rounds: rays a point, expected RMSE, seconds |
@@ -60,11 +60,16 @@ fn belongs_to(
         feed.points(points);
         points.iter().for_each(|point| feed.f32(point.footprint));
     };
+    let look = |feed: &mut Feed| {
+        feed.text(&plan.falloff.to_string());
+        feed.f32(plan.reach);
+        feed.f32(plan.bias);
+    };
     [
         ("scene or --alpha", scene),
         ("view or --size", Fingerprint::of(seen)),
         ("--distance", Fingerprint::of(|feed| feed.f32(plan.distance))),
-        ("--falloff", Fingerprint::of(|feed| feed.text(&plan.falloff.to_string()))),
+        ("--falloff, --spread or --bias-angle", Fingerprint::of(look)),
         ("--seed", Fingerprint::of(|feed| feed.u32(plan.seed))),
     ]
 }

@@ -25,11 +25,29 @@ impl<'a> PointRays<'a> {
         }
     }
 
+    /// Sine of the half-angle of the cone in which rays leave.
+    #[inline]
+    pub(crate) fn reach(&self) -> f32 {
+        self.plan.reach
+    }
+
     /// Visibility along each direction of a bundle, in world space.
     ///
-    /// Below the geometric surface the point's own surface is in the way.
+    /// Below the geometric surface the point's own surface is in the way. Within the bias angle of the horizon what is in the way
+    /// counts less and less.
     #[inline]
     pub(crate) fn visibilities(&self, directions: &Directions, out: &mut [f32]) {
+        self.plain_visibilities(directions, out);
+        if self.plan.bias > 0.0 {
+            for (index, visible) in out.iter_mut().enumerate() {
+                let height = directions.get(index).dot(self.frame.z);
+                *visible = 1.0 - (1.0 - *visible) * (height / self.plan.bias).clamp(0.0, 1.0);
+            }
+        }
+    }
+
+    #[inline]
+    fn plain_visibilities(&self, directions: &Directions, out: &mut [f32]) {
         let (origin, normal, distance) = (self.origin, self.geometric_normal, self.plan.distance);
         if self.plan.falloff == Falloff::None || distance == f32::INFINITY {
             return self.bvh.transmittances(origin, normal, directions, distance, out);

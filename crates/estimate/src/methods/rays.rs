@@ -38,11 +38,12 @@ impl Rays<'_> {
 
     fn trace(&self, rays: &PointRays<'_>, squares: &Squares) -> Tally {
         let (level, frame, samples) = (self.bvh.level(), &rays.frame, self.samples.clone());
+        let reach = self.plan.reach;
         let mut tally = Tally::default();
         if samples.len() >= QUARTERED_RAYS {
             let mut quarters = Quarters::new();
             for first in samples.clone().step_by(LANES) {
-                let drawn = dispatch!(level, simd => squares.sixteen(simd, first, frame).stored(simd));
+                let drawn = dispatch!(level, simd => squares.sixteen(simd, first, frame, reach).stored(simd));
                 let count = LANES.min((samples.end - first) as usize);
                 quarters.push(&drawn, count, |bundle| rays.trace(bundle, &mut tally));
             }
@@ -51,7 +52,7 @@ impl Rays<'_> {
             let mut bundle = Directions::new();
             for first in samples.clone().step_by(BUNDLE_RAYS) {
                 let part = first..samples.end.min(first.saturating_add(BUNDLE_RAYS as u32));
-                dispatch!(level, simd => fill(simd, squares, part, frame, &mut bundle));
+                dispatch!(level, simd => fill(simd, squares, part, (frame, reach), &mut bundle));
                 rays.trace(&mut bundle, &mut tally);
             }
         }
@@ -61,9 +62,15 @@ impl Rays<'_> {
 
 /// Puts up to [`BUNDLE_RAYS`] samples into an empty bundle.
 #[inline(always)]
-fn fill<S: Simd>(simd: S, squares: &Squares, samples: Range<u32>, frame: &Frame, bundle: &mut Directions) {
+fn fill<S: Simd>(
+    simd: S,
+    squares: &Squares,
+    samples: Range<u32>,
+    (frame, reach): (&Frame, f32),
+    bundle: &mut Directions,
+) {
     for first in samples.clone().step_by(LANES) {
         let count = LANES.min((samples.end - first) as usize);
-        bundle.push_group(&squares.sixteen(simd, first, frame).world, count);
+        bundle.push_group(&squares.sixteen(simd, first, frame, reach).world, count);
     }
 }

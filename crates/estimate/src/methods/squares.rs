@@ -2,7 +2,7 @@
 
 use crate::{AoPlan, Sampling};
 use conray_core::{
-    Frame, JitteredPoints, LANES, RandomPoints, Vec2, cosine_hemisphere_lanes, owen_sobol_2d_lanes,
+    Frame, JitteredPoints, LANES, RandomPoints, Vec2, cosine_cone_lanes, owen_sobol_2d_lanes,
 };
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 
@@ -47,15 +47,15 @@ impl Squares {
         }
     }
 
-    /// Samples `first` to `first + 15`, cosine-weighted about a frame's third axis.
+    /// Samples `first` to `first + 15`, cosine-weighted about a frame's third axis, within the cone whose half-angle has the sine `reach`.
     #[inline(always)]
-    pub(crate) fn sixteen<S: Simd>(&self, simd: S, first: u32, frame: &Frame) -> Sixteen<S> {
+    pub(crate) fn sixteen<S: Simd>(&self, simd: S, first: u32, frame: &Frame, reach: f32) -> Sixteen<S> {
         let square = match self {
             Self::Sobol { seed } => owen_sobol_2d_lanes(simd, first, *seed),
             Self::Stratified(points) => one_by_one(simd, |lane| points.point(first + lane)),
             Self::Random(points) => one_by_one(simd, |lane| points.point(first + lane)),
         };
-        Sixteen { square, world: frame.to_world_lanes(simd, cosine_hemisphere_lanes(simd, square)) }
+        Sixteen { square, world: frame.to_world_lanes(simd, cosine_cone_lanes(simd, square, reach)) }
     }
 }
 
