@@ -51,9 +51,10 @@ enum Blocking {
 }
 
 impl Blocking {
-    fn of(opacity: &Opacity) -> Self {
-        match opacity {
-            Opacity::Constant(o) if *o >= 1.0 => Self::Fully,
+    fn of(geometry: &Geometry, mesh: usize) -> Self {
+        match geometry.opacity(mesh) {
+            // Which side was met is looked up too.
+            Opacity::Constant(o) if *o >= 1.0 && !geometry.is_one_sided(mesh) => Self::Fully,
             Opacity::Constant(o) if *o > 0.0 => Self::ByLookUp,
             Opacity::Constant(_) => Self::Nothing,
             Opacity::Texture(_) => Self::ByLookUp,
@@ -63,8 +64,7 @@ impl Blocking {
 
 pub(crate) fn build(geometry: Arc<Geometry>) -> Result<Bvh, BvhError> {
     check_counts(&geometry)?;
-    let blocking: Vec<Blocking> =
-        (0..geometry.meshes().len()).map(|m| Blocking::of(geometry.opacity(m))).collect();
+    let blocking: Vec<Blocking> = (0..geometry.meshes().len()).map(|m| Blocking::of(&geometry, m)).collect();
     let plan = Plan::new(&geometry, &blocking);
     check_overflow(&geometry)?;
 

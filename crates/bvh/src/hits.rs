@@ -4,7 +4,8 @@
 //! sorted first. Masks are 0 or 1 and never kept.
 
 use crate::query::Hit;
-use conray_core::{Falloff, Geometry};
+use crate::surface::is_back;
+use conray_core::{Falloff, Geometry, Ray, Vec3};
 use std::cmp::Ordering;
 
 /// Takes crossings.
@@ -20,25 +21,29 @@ fn order(a: &Hit, b: &Hit) -> Ordering {
     a.t.total_cmp(&b.t).then(a.instance.cmp(&b.instance)).then(a.triangle.cmp(&b.triangle))
 }
 
-/// Opacity in [0, 1] where a surface was hit; `opaque` means that no look-up is needed.
-pub(crate) fn opacity(geometry: &Geometry, hit: &Hit, opaque: bool) -> f32 {
+/// Opacity in [0, 1] where a ray in that direction met a surface; `opaque` means that no look-up is needed.
+pub(crate) fn opacity(geometry: &Geometry, hit: &Hit, direction: Vec3, opaque: bool) -> f32 {
     if opaque {
         return 1.0;
     }
     let mesh = geometry.instances()[hit.instance as usize].mesh as usize;
+    if geometry.is_one_sided(mesh) && is_back(geometry, hit, direction) {
+        return 0.0;
+    }
     geometry.opacity_at(mesh, hit.triangle as usize, hit.u, hit.v).clamp(0.0, 1.0)
 }
 
 /// The first hit of opacity one half or more.
 pub(crate) struct Nearest<'a> {
     geometry: &'a Geometry,
+    direction: Vec3,
     limit: f32,
     pub(crate) best: Option<Hit>,
 }
 
 impl<'a> Nearest<'a> {
-    pub(crate) fn new(geometry: &'a Geometry, t_max: f32) -> Self {
-        Self { geometry, limit: t_max, best: None }
+    pub(crate) fn new(geometry: &'a Geometry, ray: &Ray) -> Self {
+        Self { geometry, direction: ray.direction, limit: ray.t_max, best: None }
     }
 }
 
@@ -49,7 +54,7 @@ impl Sink for Nearest<'_> {
 
     fn take(&mut self, hit: Hit, opaque: bool) -> bool {
         let nearer = self.best.is_none_or(|best| order(&hit, &best).is_lt());
-        if nearer && opacity(self.geometry, &hit, opaque) >= 0.5 {
+        if nearer && opacity(self.geometry, &hit, self.direction, opaque) >= 0.5 {
             self.limit = hit.t;
             self.best = Some(hit);
         }
@@ -60,14 +65,15 @@ impl Sink for Nearest<'_> {
 /// Transmittance: stops at the first opaque hit.
 pub(crate) struct Blocked<'a> {
     geometry: &'a Geometry,
+    direction: Vec3,
     limit: f32,
     blocked: bool,
     partial: Vec<(Hit, f32)>,
 }
 
 impl<'a> Blocked<'a> {
-    pub(crate) fn new(geometry: &'a Geometry, t_max: f32) -> Self {
-        Self { geometry, limit: t_max, blocked: false, partial: Vec::new() }
+    pub(crate) fn new(geometry: &'a Geometry, ray: &Ray) -> Self {
+        Self { geometry, direction: ray.direction, limit: ray.t_max, blocked: false, partial: Vec::new() }
     }
 
     pub(crate) fn transmittance(mut self) -> f32 {
@@ -85,7 +91,7 @@ impl Sink for Blocked<'_> {
     }
 
     fn take(&mut self, hit: Hit, opaque: bool) -> bool {
-        let opacity = opacity(self.geometry, &hit, opaque);
+        let opacity = opacity(self.geometry, &hit, self.direction, opaque);
         if opacity >= 1.0 {
             self.blocked = true;
         } else if opacity > 0.0 {
@@ -98,6 +104,7 @@ impl Sink for Blocked<'_> {
 /// Visibility with falloff: needs the fractional hits up to the first opaque one.
 pub(crate) struct Faded<'a> {
     geometry: &'a Geometry,
+    direction: Vec3,
     /// `t_max`, then the distance of the first opaque hit so far.
     limit: f32,
     closed: bool,
@@ -105,8 +112,8 @@ pub(crate) struct Faded<'a> {
 }
 
 impl<'a> Faded<'a> {
-    pub(crate) fn new(geometry: &'a Geometry, t_max: f32) -> Self {
-        Self { geometry, limit: t_max, closed: false, partial: Vec::new() }
+    pub(crate) fn new(geometry: &'a Geometry, ray: &Ray) -> Self {
+        Self { geometry, direction: ray.direction, limit: ray.t_max, closed: false, partial: Vec::new() }
     }
 
     pub(crate) fn visibility(mut self, falloff: Falloff, distance: f32) -> f32 {
@@ -132,7 +139,7 @@ impl Sink for Faded<'_> {
     }
 
     fn take(&mut self, hit: Hit, opaque: bool) -> bool {
-        let opacity = opacity(self.geometry, &hit, opaque);
+        let opacity = opacity(self.geometry, &hit, self.direction, opaque);
         if opacity >= 1.0 {
             (self.limit, self.closed) = (self.limit.min(hit.t), true);
         } else if opacity > 0.0 && hit.t <= self.limit {

@@ -33,7 +33,7 @@ impl Bvh {
     /// Of hits at one distance the one of lowest instance and then triangle is taken. `None` also for rays that can
     /// hit nothing: NaN or infinite origin, NaN, infinite or zero direction, `t_max` NaN or not above zero.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit> {
-        let mut sink = Nearest::new(&self.geometry, ray.t_max);
+        let mut sink = Nearest::new(&self.geometry, ray);
         self.visit(ray, &mut sink);
         sink.best
     }
@@ -42,7 +42,7 @@ impl Bvh {
     ///
     /// Rays that can hit nothing (see [`Bvh::nearest`]) give 1.
     pub fn transmittance(&self, ray: &Ray) -> f32 {
-        let mut sink = Blocked::new(&self.geometry, ray.t_max);
+        let mut sink = Blocked::new(&self.geometry, ray);
         self.visit(ray, &mut sink);
         sink.transmittance()
     }
@@ -62,8 +62,9 @@ impl Bvh {
         }
         // Not `min`, which would drop a NaN.
         let t_max = if distance < ray.t_max { distance } else { ray.t_max };
-        let mut sink = Faded::new(&self.geometry, t_max);
-        self.visit(&Ray { t_max, ..*ray }, &mut sink);
+        let ray = Ray { t_max, ..*ray };
+        let mut sink = Faded::new(&self.geometry, &ray);
+        self.visit(&ray, &mut sink);
         sink.visibility(falloff, distance)
     }
 

@@ -24,7 +24,7 @@
 use crate::bvh::Bvh;
 use crate::placement::{wide_matrix, world_corner};
 use crate::query::Hit;
-use conray_core::{Affine3A, Ray, SurfacePoint, TriangleMesh, Vec3, gamma};
+use conray_core::{Affine3A, Geometry, Ray, SurfacePoint, TriangleMesh, Vec3, gamma};
 use glam::{DMat3, DVec3};
 
 /// How far surface points are drawn back along their ray, in error bounds of the hit: enough for the bounds of both
@@ -147,16 +147,22 @@ impl Bvh {
     /// # Panics
     /// Where the hit's instance or triangle does not exist: hits come from this hierarchy's queries.
     pub fn is_back(&self, hit: &Hit, ray: &Ray) -> bool {
-        let [a, b, c] = self.world_corners(hit.instance, hit.triangle).map(|p| p.as_dvec3());
-        let placed = &self.geometry.instances()[hit.instance as usize];
-        let mesh = &self.geometry.meshes()[placed.mesh as usize];
-        let by_winding = (b - a).cross(c - a);
-        // Of a mirrored placement both turn round: whether they agree stays, and the winding is the one to turn.
-        let mirrored = wide_matrix(&placed.world_from_mesh).0.determinant() < 0.0;
-        let disagrees = interpolated_normal(mesh, hit, &placed.world_from_mesh)
-            .is_some_and(|shading| shading.dot(by_winding) < 0.0);
-        (by_winding.dot(ray.direction.as_dvec3()) > 0.0) != (mirrored != disagrees)
+        is_back(&self.geometry, hit, ray.direction)
     }
+}
+
+/// True where a ray in that direction met the back of a triangle.
+pub(crate) fn is_back(geometry: &Geometry, hit: &Hit, direction: Vec3) -> bool {
+    let placed = &geometry.instances()[hit.instance as usize];
+    let mesh = &geometry.meshes()[placed.mesh as usize];
+    let corners = mesh.corners(hit.triangle as usize).map(|p| world_corner(&placed.world_from_mesh, p));
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let by_winding = (b - a).cross(c - a);
+    // Of a mirrored placement both turn round: whether they agree stays, and the winding is the one to turn.
+    let mirrored = wide_matrix(&placed.world_from_mesh).0.determinant() < 0.0;
+    let disagrees = interpolated_normal(mesh, hit, &placed.world_from_mesh)
+        .is_some_and(|shading| shading.dot(by_winding) < 0.0);
+    (by_winding.dot(direction.as_dvec3()) > 0.0) != (mirrored != disagrees)
 }
 
 /// Unit normal of a triangle by the right-hand rule on its corners; `None` where they lie on a line.

@@ -193,7 +193,7 @@ fn kept_work_of_something_else_is_refused_by_name() {
     assert_eq!(refused("cornell", 16, AoSettings { seed: 1, ..settings.clone() }), "--seed");
     assert_eq!(
         refused("cornell", 16, AoSettings { falloff: conray::Falloff::Linear, ..settings.clone() }),
-        "--falloff"
+        "--falloff, --spread or --bias-angle"
     );
     // More rays are the same work, gone on with.
     let (session, camera) = built_in("cornell", 16, &AoSettings { rays: Some(16), ..settings });

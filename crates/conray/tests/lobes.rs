@@ -1,8 +1,6 @@
 //! Narrow cones of rays, and occluders that fade near the horizon, against closed forms.
 
-use conray::{
-    AoSettings, Control, Distance, Geometry, Method, Session, SurfacePoint, TriangleMesh, Vec3,
-};
+use conray::{AoSettings, Control, Distance, Geometry, Method, Session, SurfacePoint, TriangleMesh, Vec3};
 use std::f32::consts::TAU;
 
 /// Sides of what stands for a circle: its area is 0.04 % less.
@@ -36,8 +34,10 @@ fn disc() -> TriangleMesh {
 
 /// A wall all round at distance 1, of height 1: what is below 45 degrees.
 fn wall() -> TriangleMesh {
-    let positions = [-0.5, 1.0].iter().flat_map(|&height| (0..SIDES).map(move |k| circle(k, height))).collect();
-    let quad = |k: u32| [[k, (k + 1) % SIDES, SIDES + k], [SIDES + (k + 1) % SIDES, SIDES + k, (k + 1) % SIDES]];
+    let positions =
+        [-0.5, 1.0].iter().flat_map(|&height| (0..SIDES).map(move |k| circle(k, height))).collect();
+    let quad =
+        |k: u32| [[k, (k + 1) % SIDES, SIDES + k], [SIDES + (k + 1) % SIDES, SIDES + k, (k + 1) % SIDES]];
     TriangleMesh::new(positions, (0..SIDES).flat_map(quad).collect()).unwrap()
 }
 

@@ -135,6 +135,9 @@ fn geometry(feed: &mut Feed, geometry: &Geometry) {
         mesh.positions().iter().for_each(|&p| feed.vector(p));
         feed.length(mesh.triangles().len());
         mesh.triangles().iter().flatten().for_each(|&v| feed.u32(v));
+        if geometry.is_one_sided(m) {
+            feed.text("one-sided");
+        }
         match geometry.opacity(m) {
             Opacity::Constant(opacity) => {
                 feed.text("constant");

@@ -190,9 +190,13 @@ pub struct Instance {
 /// All that occludes.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    meshes: Vec<TriangleMesh>,
-    instances: Vec<Instance>,
+    pub(crate) meshes: Vec<TriangleMesh>,
+    pub(crate) instances: Vec<Instance>,
     materials: Vec<Material>,
+    /// Meshes that occlude nothing, in ascending order.
+    pub(crate) hidden: Vec<u32>,
+    /// Rays pass the backs of surfaces that are not said to be seen from both sides.
+    pub(crate) passes_backs: bool,
 }
 
 impl Geometry {
@@ -260,6 +264,10 @@ impl Geometry {
     /// Opacity of a mesh's material.
     pub fn opacity(&self, mesh: usize) -> &Opacity {
         const OPAQUE: &Opacity = &Opacity::Constant(1.0);
+        const NOTHING: &Opacity = &Opacity::Constant(0.0);
+        if self.is_hidden(mesh) {
+            return NOTHING;
+        }
         self.materials.get(self.meshes[mesh].material as usize).map_or(OPAQUE, |m| &m.opacity)
     }
 

@@ -16,6 +16,7 @@ mod lanes;
 mod layout;
 mod moments;
 mod opacity;
+mod passing;
 mod point_sets;
 mod rounding;
 mod sobol;

@@ -147,7 +147,7 @@ impl Leaf<'_> {
         let id = &self.ids[triangle];
         let instance = self.instance.unwrap_or(id.instance);
         let hit = Hit { t: crossing.t, instance, triangle: id.triangle(), u: crossing.u, v: crossing.v };
-        let opacity = opacity(self.geometry, &hit, id.is_opaque());
+        let opacity = opacity(self.geometry, &hit, line.direction, id.is_opaque());
         if opacity >= 1.0 {
             met.blocked |= 1 << ray;
         } else if opacity > 0.0 {

@@ -1,9 +1,7 @@
 //! From points of the unit square to directions, sixteen at a time, whatever point set they come from.
 
 use crate::{AoPlan, Sampling};
-use conray_core::{
-    Frame, JitteredPoints, LANES, RandomPoints, Vec2, cosine_cone_lanes, owen_sobol_2d_lanes,
-};
+use conray_core::{Frame, JitteredPoints, LANES, RandomPoints, Vec2, cosine_cone_lanes, owen_sobol_2d_lanes};
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 
 /// The points of the unit square that a surface point's rays go through.
