@@ -12,13 +12,12 @@ use std::collections::HashMap;
 /// Points that see more than this are not asked about: inside a closed thing at most half is open beside its wall, and what is further from it than
 /// the AO distance is read together with nothing outside.
 const MOST_OPEN: f32 = 0.6;
-/// Rays that look for back faces, and how many may meet something else, or nothing, inside: a third, less than the half that a wall without thickness leaves
-/// of what the floor at its foot sees.
+/// Rays that look for back faces, and how many may meet something else, or nothing, inside: an eighth. A wall without thickness takes half of what the
+/// floor at its foot sees, and the inside of a shell that is open somewhere, which is seen from there, shows up to three quarters of back faces.
 const RAYS: u32 = 24;
-const MOST_OTHERS: u32 = 8;
-/// Most points are clear after a few: outside where half of the first six meet something else, inside where all of the first eight meet back faces.
-const CLEARLY_OUT: [u32; 2] = [6, 3];
-const CLEARLY_IN: u32 = 8;
+const MOST_OTHERS: u32 = 3;
+/// Rays that decide it where all of them meet back faces.
+const CLEARLY_IN: u32 = 16;
 /// Where more of a surface than this lies inside, it is not buried: what is about it is turned inside out.
 const MOST_BURIED: f64 = 0.5;
 
@@ -123,7 +122,7 @@ fn is_inside(session: &Session, solid: &[bool], point: &SurfacePoint) -> bool {
     let mut others = 0;
     for k in 0..RAYS {
         others += u32::from(!meets_back(k));
-        if others > MOST_OTHERS || (k < CLEARLY_OUT[0] && others >= CLEARLY_OUT[1]) {
+        if others > MOST_OTHERS {
             return false;
         }
         if others == 0 && k + 1 == CLEARLY_IN {

@@ -5,7 +5,7 @@ mod common;
 use common::Random;
 use common::shapes::quad;
 use conray_bvh::{Bvh, Directions};
-use conray_core::{Falloff, Geometry, Material, Ray, Vec3, simd_levels};
+use conray_core::{Backs, Falloff, Geometry, Material, Ray, Vec3, simd_levels};
 use std::sync::Arc;
 
 /// A front at z = 1 and one at z = 2 that face down, and one at z = 3 that faces up and is seen from both sides if so wanted.
@@ -41,7 +41,7 @@ fn backs_are_passed_by_every_query_at_every_level() {
         let bvh = |both, pass: bool| {
             let mut geometry = geometry(both);
             if pass {
-                geometry.pass_backs();
+                geometry.set_backs(Backs::PassOneSided);
             }
             Bvh::build(Arc::new(geometry)).unwrap().at_level(level)
         };

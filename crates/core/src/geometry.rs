@@ -1,6 +1,6 @@
 //! What occludes: triangle meshes, their placements in the world and the opacity of their materials.
 
-use crate::{Affine3A, Bounds, Opacity, Vec2, Vec3};
+use crate::{Affine3A, Backs, Bounds, Opacity, Vec2, Vec3};
 use thiserror::Error;
 
 /// Why an array of positions and indices is no mesh.
@@ -192,11 +192,11 @@ pub struct Instance {
 pub struct Geometry {
     pub(crate) meshes: Vec<TriangleMesh>,
     pub(crate) instances: Vec<Instance>,
-    materials: Vec<Material>,
+    pub(crate) materials: Vec<Material>,
     /// Meshes that occlude nothing, in ascending order.
     pub(crate) hidden: Vec<u32>,
-    /// Rays pass the backs of surfaces that are not said to be seen from both sides.
-    pub(crate) passes_backs: bool,
+    /// Which surfaces rays pass from behind.
+    pub(crate) backs: Backs,
 }
 
 impl Geometry {

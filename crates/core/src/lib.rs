@@ -36,6 +36,7 @@ pub use lanes::{LANES, cosine_cone_lanes, cosine_hemisphere_lanes, owen_sobol_2d
 pub use layout::Layout;
 pub use moments::Moments;
 pub use opacity::{AlphaTexture, Opacity, TextureOpacity, Wrap};
+pub use passing::Backs;
 pub use point_sets::{JitteredPoints, RandomPoints};
 pub use rounding::gamma;
 pub use sobol::{hash_u32, owen_sobol_2d};

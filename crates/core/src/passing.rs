@@ -1,7 +1,19 @@
 //! What rays pass although a file says that it is there: hidden instances, and the backs of surfaces.
 
-use crate::Geometry;
+use crate::{Geometry, Instance};
 use std::collections::BTreeMap;
+
+/// What the backs of surfaces do to rays. The front is where corners go round counter-clockwise, or where vertex normals point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backs {
+    /// They are in the way as fronts are.
+    #[default]
+    Block,
+    /// Rays pass them, except of materials that are seen from both sides.
+    PassOneSided,
+    /// Rays pass them.
+    Pass,
+}
 
 impl Geometry {
     /// Makes instances occlude nothing; they stay where they are, and can still be asked about. A mesh that other instances show is stored once more.
@@ -25,15 +37,39 @@ impl Geometry {
         self.hidden.dedup();
     }
 
-    /// Lets rays pass the backs of surfaces, except of materials that are seen from both sides.
-    pub fn pass_backs(&mut self) {
-        self.passes_backs = true;
+    /// Says what the backs of surfaces do to rays.
+    pub fn set_backs(&mut self, backs: Backs) {
+        self.backs = backs;
     }
 
     /// True where rays pass a mesh from behind.
     pub fn is_one_sided(&self, mesh: usize) -> bool {
-        let material = self.materials().get(self.meshes[mesh].material as usize);
-        self.passes_backs && !material.is_some_and(|material| material.double_sided)
+        let material = || self.materials().get(self.meshes[mesh].material as usize);
+        match self.backs {
+            Backs::Block => false,
+            Backs::PassOneSided => !material().is_some_and(|material| material.double_sided),
+            Backs::Pass => true,
+        }
+    }
+
+    /// The same materials, and of the instances only these, in their order, with their meshes.
+    #[must_use]
+    pub fn only(&self, instances: &[u32]) -> Self {
+        let mut found = Self { materials: self.materials.clone(), backs: self.backs, ..Self::default() };
+        let mut meshes: BTreeMap<u32, u32> = BTreeMap::new();
+        for &index in instances {
+            let instance = self.instances[index as usize].clone();
+            let mesh = *meshes.entry(instance.mesh).or_insert_with(|| {
+                found.meshes.push(self.meshes[instance.mesh as usize].clone());
+                let mesh = found.meshes.len() as u32 - 1;
+                if self.is_hidden(instance.mesh as usize) {
+                    found.hidden.push(mesh);
+                }
+                mesh
+            });
+            found.instances.push(Instance { mesh, ..instance });
+        }
+        found
     }
 
     /// True of a mesh that occludes nothing whatever its material.
@@ -85,10 +121,23 @@ mod tests {
     }
 
     #[test]
+    fn some_instances_come_with_their_meshes_alone() {
+        let mut all = geometry();
+        all.hide(|index| index == 1);
+        let some = all.only(&[2, 1]);
+        assert_eq!((some.instances().len(), some.meshes().len()), (2, 2));
+        assert_eq!(some.mesh_of(0).material, 1);
+        assert_eq!(blocks(&some), [true, false]);
+        assert!(all.only(&[]).instances().is_empty());
+    }
+
+    #[test]
     fn only_surfaces_that_are_not_seen_from_both_sides_let_rays_pass_from_behind() {
         let mut found = geometry();
         assert!(!found.is_one_sided(0));
-        found.pass_backs();
+        found.set_backs(Backs::PassOneSided);
         assert!(found.is_one_sided(0) && !found.is_one_sided(1));
+        found.set_backs(Backs::Pass);
+        assert!(found.is_one_sided(0) && found.is_one_sided(1));
     }
 }
