@@ -1,15 +1,17 @@
 //! Vertices written anew: chosen elements of an accessor, as they are, and new indices.
 
-use super::{Document, DocumentError};
+use super::{
+    Document, DocumentError,
+    bounds::{component_bytes, components, set_bounds},
+};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 
 /// What a buffer view is for.
-const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-/// Component types: of indices, and of floats.
+/// Component type of indices.
 const UNSIGNED_INT: u32 = 5125;
-const FLOAT: usize = 5126;
 
 /// The bytes of a document's buffers, in order.
 #[derive(Clone, Debug, Default)]
@@ -65,7 +67,7 @@ impl Elements<'_> {
     }
 }
 
-fn number(map: &Map<String, Value>, key: &str) -> Option<usize> {
+pub(super) fn number(map: &Map<String, Value>, key: &str) -> Option<usize> {
     map.get(key).and_then(Value::as_u64).and_then(|number| usize::try_from(number).ok())
 }
 
@@ -102,7 +104,7 @@ impl Document {
         copy.insert("count".into(), chosen.len().into());
         if copy.contains_key("min") || copy.contains_key("max") {
             // They must be those of the elements that are left.
-            bounds(&mut copy, &bytes, stride);
+            set_bounds(&mut copy, &bytes, stride);
         }
         self.push("accessors", Value::Object(copy))
     }
@@ -126,14 +128,7 @@ impl Document {
     fn elements<'a>(&self, accessor: usize, buffers: &'a Buffers) -> Option<Elements<'a>> {
         let accessor = self.element("accessors", accessor).ok()?;
         let component = component_bytes(number(accessor, "componentType")?)?;
-        let components = match accessor.get("type")?.as_str()? {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            _ => return None,
-        };
-        let size = component * components;
+        let size = component * components(accessor)?;
         let (bytes, stride) = match number(accessor, "bufferView") {
             None => (None, size),
             Some(view) => {
@@ -172,41 +167,11 @@ impl Document {
     }
 }
 
-/// Sets the least and the largest value of each component of floats; of other types they are left out, where they are not required.
-fn bounds(accessor: &mut Map<String, Value>, bytes: &[u8], stride: usize) {
-    accessor.remove("min");
-    accessor.remove("max");
-    if number(accessor, "componentType") != Some(FLOAT) {
-        return;
-    }
-    let components = stride / size_of::<f32>();
-    let mut bounds = vec![[f32::INFINITY, f32::NEG_INFINITY]; components];
-    for element in bytes.chunks_exact(stride) {
-        for (bounds, value) in bounds.iter_mut().zip(element.as_chunks::<4>().0) {
-            let value = f32::from_le_bytes(*value);
-            *bounds = [bounds[0].min(value), bounds[1].max(value)];
-        }
-    }
-    for (k, key) in ["min", "max"].into_iter().enumerate() {
-        // As single precision writes them, and as doubles of the same value.
-        let all: Vec<f64> = bounds.iter().map(|bounds| f64::from(bounds[k])).collect();
-        accessor.insert(key.into(), all.into());
-    }
-}
-
-fn component_bytes(code: usize) -> Option<usize> {
-    match code {
-        5120 | 5121 => Some(1),
-        5122 | 5123 => Some(2),
-        5125 | 5126 => Some(4),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use serde_json::json;
 
     /// Three elements of three bytes, four bytes apart, from byte 2 on; of which sparse element 1 is 9 9 9.
     const TEXT: &str = r#"{"buffers":[{"uri":"b.bin","byteLength":24}],
@@ -232,24 +197,11 @@ mod tests {
         assert_eq!(document.bin, [7, 8, 9, 0, 9, 9, 9, 0, 7, 8, 9, 0]);
         let accessor = document.element("accessors", new).unwrap();
         assert_eq!((&accessor["normalized"], &accessor["count"]), (&true.into(), &3.into()));
-        assert!(!accessor.contains_key("sparse") && !accessor.contains_key("max"));
+        assert!(!accessor.contains_key("sparse"));
+        assert_eq!((&accessor["min"], &accessor["max"]), (&json!([7, 8, 9]), &json!([9, 9, 9])));
         let zeros = document.gather(2, &[6], &buffers, "new").unwrap();
         assert_eq!(document.element("accessors", zeros).unwrap()["type"], "VEC2");
         assert_eq!(document.bin[12..], [0; 8]);
-    }
-
-    #[test]
-    fn bounds_are_those_of_the_elements_that_are_left() {
-        let text = r#"{"buffers":[{"uri":"b","byteLength":24}],"bufferViews":[{"buffer":0,"byteLength":24}],
-            "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC2","count":3,"min":[-9,-9],"max":[9,9]}]}"#;
-        let mut document = Document::open(text.as_bytes()).unwrap();
-        let numbers = [0.5f32, 2.0, -9.0, 9.0, 0.25, 3.0];
-        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-        let buffers = Buffers::of(&document, |_| Some(bytes.clone())).unwrap();
-        let new = document.gather(0, &[0, 2, 2], &buffers, "new").unwrap();
-        let accessor = document.element("accessors", new).unwrap();
-        assert_eq!(accessor["min"], serde_json::json!([0.25, 2.0]));
-        assert_eq!(accessor["max"], serde_json::json!([0.5, 3.0]));
     }
 
     #[test]
