@@ -47,14 +47,15 @@ pub fn assign(
 ) -> Result<(), AssignError> {
     let mut wanted: BTreeMap<Place, Value> = BTreeMap::new();
     for (sheet, &texture) in sheets.sheets.iter().zip(textures) {
-        let place = |&instance: &u32| {
+        let place = |instance: u32| {
             let origin = &origins.instances[instance as usize];
             (origin.node, origin.primitive)
         };
-        let places: BTreeSet<Place> = sheet.instances.iter().map(place).collect();
+        let places: BTreeSet<Place> = sheet.readers().map(|(instance, _)| place(instance)).collect();
         let copied = places.iter().find(|place| wanted.contains_key(place));
-        if let Some(&(node, _)) =
-            copied.or_else(|| places.first().filter(|_| places.len() < sheet.instances.len()))
+        // Copies that share their map may stand at one node.
+        let own: BTreeSet<Place> = sheet.instances.iter().map(|&instance| place(instance)).collect();
+        if let Some(&(node, _)) = copied.or_else(|| own.first().filter(|_| own.len() < sheet.instances.len()))
         {
             return Err(AssignError::Copies(node));
         }
@@ -62,7 +63,7 @@ pub fn assign(
             .iter()
             .map(|&place| Ok(primitive(document, place)?.get("material").and_then(index)))
             .collect::<Result<BTreeSet<_>, DocumentError>>()?;
-        let own = match before.first().copied().flatten() {
+        let shown_by = match before.first().copied().flatten() {
             Some(index) if users(document, index) == places.len() => index,
             Some(index) => {
                 let mut copy = document.element("materials", index)?.clone();
@@ -71,12 +72,17 @@ pub fn assign(
             }
             None => document.push("materials", json!({ "name": sheet.name }))?,
         };
-        document.set_occlusion(own, texture, sheet.uvs.set())?;
-        for (k, instance) in sheet.instances.iter().enumerate() {
+        document.set_occlusion(shown_by, texture, sheet.uvs.set())?;
+        let mut made: BTreeMap<usize, Value> = BTreeMap::new();
+        for (instance, k) in sheet.readers() {
+            if let Some(made) = made.get(&k) {
+                wanted.insert(place(instance), made.clone());
+                continue;
+            }
             let mut changed = primitive(document, place(instance))?.clone();
-            changed.insert("material".into(), own.into());
+            changed.insert("material".into(), shown_by.into());
             if let Uvs::New { set, of } = &sheet.uvs {
-                let source = origins.vertices[*instance as usize];
+                let source = origins.vertices[instance as usize];
                 let vertices: Vec<u32> =
                     of[k].vertices.iter().map(|&vertex| source[vertex as usize]).collect();
                 split(document, &mut changed, &vertices, buffers, name)?;
@@ -88,6 +94,7 @@ pub fn assign(
                 let indices = document.push_indices(of[k].triangles.as_flattened(), name)?;
                 changed.insert("indices".into(), indices.into());
             }
+            made.insert(k, Value::Object(changed.clone()));
             wanted.insert(place(instance), Value::Object(changed));
         }
     }
@@ -228,6 +235,7 @@ mod tests {
             material: 0,
             uvs: Uvs::Set(k),
             instances: instances.to_vec(),
+            copies: Vec::new(),
             size: MapSize { width: 4, height: 4 },
             repeats: false,
         };

@@ -24,8 +24,6 @@ const MOST_BURIED: f64 = 0.5;
 /// Texels that lie inside other geometry, of all portions of some maps.
 #[derive(Clone, Debug)]
 pub struct Buried {
-    /// For each mesh whether its back faces are the inside of something.
-    solid: Vec<bool>,
     /// For each instance how many points it has, and how many of them lie inside.
     counts: Vec<[u64; 2]>,
     /// Texels of which parts lie inside, as they are without these, and an instance that lies inside there.
@@ -36,24 +34,23 @@ impl Buried {
     /// None yet.
     pub fn new(geometry: &Geometry) -> Self {
         let counts = vec![[0; 2]; geometry.instances().len()];
-        Self { solid: solid(geometry), counts, texels: Vec::new() }
+        Self { counts, texels: Vec::new() }
     }
 
-    /// Finds those of a portion. `instances` are those of the target's surfaces.
+    /// Adds those of a portion, of whose points `inside` tells. `instances` are those of the target's surfaces.
     ///
     /// # Errors
     /// Estimates that are not those of the target's points.
     pub fn add(
         &mut self,
-        session: &Session,
         target: &AtlasTarget,
         estimates: &[Estimate],
+        inside: &[bool],
         instances: &[u32],
     ) -> Result<(), TargetError> {
-        let inside = inside(session, &self.solid, target.points(), estimates);
         let of_points = target.surfaces().iter().map(|&surface| instances[surface as usize]);
         let mut whose: HashMap<(u32, u32), u32> = HashMap::new();
-        for ((instance, &inside), texel) in of_points.zip(&inside).zip(target.texels()) {
+        for ((instance, &inside), texel) in of_points.zip(inside).zip(target.texels()) {
             let [all, within] = &mut self.counts[instance as usize];
             (*all, *within) = (*all + 1, *within + u64::from(inside));
             if inside {
@@ -65,7 +62,7 @@ impl Buried {
         }
         let without: Vec<Estimate> = estimates
             .iter()
-            .zip(&inside)
+            .zip(inside)
             .map(|(estimate, &inside)| if inside { Estimate::PENDING } else { *estimate })
             .collect();
         let changed = target.resolve(&without)?.into_iter();
@@ -90,11 +87,12 @@ impl Buried {
     }
 }
 
-/// Tells which points lie inside. Back faces of materials that are seen from both sides, or through, do not count.
-fn inside(session: &Session, solid: &[bool], points: &[SurfacePoint], estimates: &[Estimate]) -> Vec<bool> {
+/// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
+pub fn inside(session: &Session, points: &[SurfacePoint], estimates: &[Estimate]) -> Vec<bool> {
+    let solid = solid(session.geometry());
     let one = |(point, estimate): (&SurfacePoint, &Estimate)| {
         let closed = !estimate.is_pending() && estimate.visibility <= MOST_OPEN;
-        closed && is_inside(session, solid, point)
+        closed && is_inside(session, &solid, point)
     };
     session.install(|| points.par_iter().zip(estimates).with_min_len(64).map(one).collect())
 }
@@ -184,7 +182,8 @@ mod tests {
             });
             let estimates = session.estimate(target.points()).unwrap();
             target.resolve(&estimates).unwrap().iter().for_each(|texel| maps[0].put(texel));
-            buried.add(session, &target, &estimates, &[0]).unwrap();
+            let inside = inside(session, target.points(), &estimates);
+            buried.add(&target, &estimates, &inside, &[0]).unwrap();
         }
         let (count, _) = buried.take_from(&mut maps);
         (count, (0..64).map(|x| maps[0].visibility[33 * 64 + x].is_nan()).collect())
@@ -220,12 +219,12 @@ mod tests {
             .map(|id| SurfacePoint::new(Vec3::new(0.004 * id as f32, 0.0, 0.1), Vec3::Y).with_id(id))
             .collect();
         let estimates = session.estimate(&points).unwrap();
-        let found = inside(&session, &solid(session.geometry()), &points, &estimates);
+        let found = inside(&session, &points, &estimates);
         assert!(found.iter().all(|inside| *inside), "each by itself lies inside");
         let texel = Texel { visibility: f32::NAN, ..Texel::UNKNOWN };
         let mut counts = vec![[0; 2]; session.geometry().instances().len()];
         counts[instance as usize] = [100, 100];
-        let buried = Buried { solid: Vec::new(), counts, texels: vec![(instance, texel)] };
+        let buried = Buried { counts, texels: vec![(instance, texel)] };
         let map = AtlasMap {
             width: 1,
             height: 1,

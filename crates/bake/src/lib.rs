@@ -12,6 +12,7 @@
 //! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result; [`Document`] is a glTF file that is changed in a few places and
 //! stays as it was in all others.
 
+mod answers;
 mod assign;
 mod buried;
 mod document;
@@ -22,10 +23,11 @@ mod sheets;
 mod unwrap;
 mod write;
 
+pub use answers::Apart;
 pub use assign::{AssignError, Origins, assign};
-pub use buried::Buried;
+pub use buried::{Buried, inside};
 pub use document::{Buffers, Document, DocumentError, Files, Kind};
-pub use places::Places;
+pub use places::{Facing, Places};
 pub use run::{Baked, MapOptions, PORTION, bake_maps};
 pub use scope::{Chosen, Ground, Scope, ScopeError};
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};

@@ -5,9 +5,33 @@ use conray::Session;
 use conray_core::{Geometry, SurfacePoint, Vec2, Vec3};
 use conray_target::{Atlas, AtlasTarget, Corner, MapSize, Portion, Seam, Surface, seams};
 
+/// Which way points look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Facing {
+    /// By the triangles' own normals, and not by those of their vertices.
+    pub flat: bool,
+    /// Into the surface: what is found is how thick the body is there, by the AO distance.
+    pub inside: bool,
+}
+
+impl Facing {
+    /// A point on the front of a surface, as it is to look.
+    pub fn turned(self, point: SurfacePoint) -> SurfacePoint {
+        let shading = if self.flat { point.geometric_normal } else { point.shading_normal };
+        let side = if self.inside { -1.0 } else { 1.0 };
+        SurfacePoint {
+            geometric_normal: side * point.geometric_normal,
+            shading_normal: side * shading,
+            ..point
+        }
+    }
+}
+
 /// The surfaces that read maps.
 #[derive(Clone, Debug)]
 pub struct Places {
+    /// Which way points look.
+    pub facing: Facing,
     /// The maps and their surfaces.
     pub atlas: Atlas,
     /// The scene's instance of each surface.
@@ -17,10 +41,10 @@ pub struct Places {
 impl Places {
     /// Those of a model's maps, each texel divided into `supersample` parts in both directions. `v_up` where the first row of an image is at v = 1,
     /// as in OBJ files.
-    pub fn of(geometry: &Geometry, sheets: &Sheets, v_up: bool, supersample: u32) -> Self {
+    pub fn of(geometry: &Geometry, sheets: &Sheets, v_up: bool, supersample: u32, facing: Facing) -> Self {
         let (instances, surfaces) = sheets.surfaces(geometry, v_up).into_iter().unzip();
         let sizes = sheets.sheets.iter().map(|sheet| sheet.size).collect();
-        Self { atlas: Atlas { sizes, surfaces, supersample: supersample.max(1) }, instances }
+        Self { facing, atlas: Atlas { sizes, surfaces, supersample: supersample.max(1) }, instances }
     }
 
     /// The texels of a portion as a target: estimate it with [`Session::run_target`], and its [`resolve`](conray_target::Target::resolve) gives what
@@ -40,7 +64,7 @@ impl Places {
         let point = |surface: usize, triangle: usize, weights: [f32; 3]| {
             let place = [weights[1], weights[2]];
             let point = session.bvh().front_point(self.instances[surface], triangle as u32, place);
-            SurfacePoint { footprint: texel_sizes[surface][triangle], ..point }
+            SurfacePoint { footprint: texel_sizes[surface][triangle], ..self.facing.turned(point) }
         };
         session.install(|| self.atlas.texels(portion, point))
     }

@@ -1,6 +1,6 @@
 //! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
 
-use crate::{Buried, Places};
+use crate::{Apart, Buried, Places, answers::Answers};
 use conray::{Budget, Control, Error, PROGRESS_UNITS, Session, Work};
 use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -43,7 +43,7 @@ pub struct Baked {
 }
 
 /// Bakes maps within a budget: the error holds for each portion, the time is shared out by what is left to do. The result does not depend on
-/// threads, and on the clock only where time is the budget.
+/// threads, and on the clock only where time is the budget. Where objects stand `apart`, points of other instances get no value.
 ///
 /// Progress is told in thousandths of the whole, [`PROGRESS_UNITS`] in all.
 ///
@@ -51,6 +51,7 @@ pub struct Baked {
 /// Maps that are too large, or what the backend lacks for the plan.
 pub fn bake_maps(
     session: &Session,
+    apart: &[Apart],
     places: &Places,
     budget: Budget,
     options: &MapOptions,
@@ -70,15 +71,20 @@ pub fn bake_maps(
         for (part, overlap) in portion.parts.iter().zip(target.overlaps()) {
             overlaps[part.map] += overlap;
         }
-        let outcome = shares.next(control, |budget, control| {
-            let outcome = session.run_target_within(budget, &target, control)?;
-            Ok::<_, Error>((outcome.work.seconds, outcome))
+        let answers = shares.next(control, |budget, control| {
+            let answers = match apart {
+                [] => Answers::of(session, &target, budget, control, places.facing)?,
+                _ => Answers::apart(apart, &target, &places.instances, budget, control, places.facing)?,
+            };
+            let seconds = answers.works.iter().map(|work| work.seconds).sum();
+            Ok::<_, Error>((seconds, answers))
         })?;
-        buried.add(session, &target, &outcome.estimates, &places.instances)?;
-        for texel in target.resolve(&outcome.estimates)? {
+        let Answers { estimates, inside, works } = answers;
+        parts.extend(works);
+        buried.add(&target, &estimates, &inside, &places.instances)?;
+        for texel in target.resolve(&estimates)? {
             maps[texel.map as usize].put(&texel);
         }
-        parts.push(outcome.work);
     }
     let (buried, taken) = buried.take_from(&mut maps);
     let seams = session.install(|| {

@@ -110,7 +110,7 @@ fn matching(geometry: &Geometry, option: &'static str, patterns: &[String]) -> R
         let mesh = geometry.mesh_of(k);
         let material = geometry.materials().get(mesh.material as usize);
         let material = material.map_or("", |material| &material.name[..]);
-        [&geometry.instances()[k].name[..], mesh.name(), material]
+        [&geometry.instances()[k].name[..], &mesh.name[..], material]
     };
     let count = geometry.instances().len();
     let mut found = vec![patterns.is_empty(); count];

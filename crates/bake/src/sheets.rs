@@ -9,7 +9,10 @@ use crate::{NewUvs, unwrap::unwrapped};
 use conray_core::{Geometry, Vec2};
 use conray_target::{MapSize, Surface, UvUse};
 use rayon::prelude::*;
-use std::{collections::BTreeSet, fmt};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 /// Texels on each side of the raster in which overlaps are sought.
 const RASTER: u32 = 1024;
@@ -25,8 +28,10 @@ pub struct Sheet {
     pub material: u32,
     /// How its surfaces read it.
     pub uvs: Uvs,
-    /// The scene's instances that read it.
+    /// The scene's instances that it is baked for.
     pub instances: Vec<u32>,
+    /// Instances that read it as well, each as the one of that place in `instances` does, whose mesh it shows.
+    pub copies: Vec<(u32, usize)>,
     /// Size of the map.
     pub size: MapSize,
     /// True where triangles stand whole tiles away from the unit square: the map is to be repeated.
@@ -45,6 +50,14 @@ pub enum Uvs {
         /// In the order of the instances.
         of: Vec<NewUvs>,
     },
+}
+
+impl Sheet {
+    /// All instances that read the map, each with the place in `instances` whose UVs it has.
+    pub fn readers(&self) -> impl Iterator<Item = (u32, usize)> {
+        let own = self.instances.iter().enumerate().map(|(k, &instance)| (instance, k));
+        own.chain(self.copies.iter().copied())
+    }
 }
 
 impl Uvs {
@@ -140,13 +153,32 @@ impl Sheets {
         found
     }
 
+    /// The same where instances that show one mesh of one material share what is baked for the first of them.
+    pub fn shared(geometry: &Geometry, instances: &[u32], size: MapSize, unwrap: Unwrap) -> Self {
+        let mut first: BTreeMap<u32, u32> = BTreeMap::new();
+        let of = |instance: u32| geometry.instances()[instance as usize].mesh;
+        for &instance in instances {
+            first.entry(of(instance)).or_insert(instance);
+        }
+        let (firsts, copies): (Vec<u32>, Vec<u32>) =
+            instances.iter().partition(|&&instance| first[&of(instance)] == instance);
+        let mut found = Self::of(geometry, &firsts, size, unwrap);
+        for sheet in &mut found.sheets {
+            let place = |copy: u32| {
+                Some((copy, sheet.instances.iter().position(|&instance| instance == first[&of(copy)])?))
+            };
+            sheet.copies = copies.iter().filter_map(|&copy| place(copy)).collect();
+        }
+        found
+    }
+
     fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize, unwrap: Unwrap) {
         let known = geometry.materials().get(material as usize).map(|material| material.name.clone());
         let name = known.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {material}"));
         let sheet = |name, uv_set, instances: Vec<u32>| {
             let away = |&instance: &u32| tiles(geometry, instance, uv_set).any(|tile| tile != Vec2::ZERO);
             let repeats = instances.iter().any(away);
-            Sheet { name, material, uvs: Uvs::Set(uv_set), instances, size, repeats }
+            Sheet { name, material, uvs: Uvs::Set(uv_set), instances, copies: Vec::new(), size, repeats }
         };
         if let Ok(uv_set) = usable(geometry, &group) {
             self.sheets.push(sheet(name, uv_set, group));
@@ -180,7 +212,8 @@ impl Sheets {
             match unwrapped(geometry, &alike, size) {
                 Ok((size, of)) => {
                     let uvs = Uvs::New { set, of };
-                    self.sheets.push(Sheet { name, material, uvs, instances: alike, size, repeats: false });
+                    let (instances, copies) = (alike, Vec::new());
+                    self.sheets.push(Sheet { name, material, uvs, instances, copies, size, repeats: false });
                 }
                 Err(reason) => {
                     let fault = UvFault::Unwrap { reason };
@@ -310,6 +343,14 @@ mod tests {
         let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
         assert_eq!(names(&found), [("wood-0", 0, &[0][..]), ("wood-1", 0, &[1])]);
         assert_eq!(found.sheets[0].size, SIZE);
+    }
+
+    #[test]
+    fn copies_share_a_map_where_that_is_wanted() {
+        let (geometry, instances) = geometry(&[(&[LEFT], 0), (&[RIGHT], 0)], 2);
+        let found = Sheets::shared(&geometry, &instances, SIZE, Unwrap::No);
+        assert_eq!(names(&found), [("wood", 0, &[0, 2][..])]);
+        assert_eq!(found.sheets[0].readers().collect::<Vec<_>>(), [(0, 0), (2, 1), (1, 0), (3, 1)]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Baked texels against what geometry says, texel by texel.
 
 use conray::{AoSettings, Control, Distance, Session, Work};
-use conray_bake::{MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
+use conray_bake::{Facing, MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
 use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
 use conray_target::{AtlasMap, MapSize};
 
@@ -26,9 +26,10 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, port
     }
     let session = Session::build(geometry, settings).unwrap();
     let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE }, Unwrap::No);
-    let places = Places::of(session.geometry(), &sheets, false, supersample);
+    let places = Places::of(session.geometry(), &sheets, false, supersample, Facing::default());
     let options = MapOptions { portion, ..MapOptions::default() };
-    let mut baked = bake_maps(&session, &places, session.plan().budget, &options, Control::none()).unwrap();
+    let mut baked =
+        bake_maps(&session, &[], &places, session.plan().budget, &options, Control::none()).unwrap();
     let work = Work::of_parts(&baked.parts).unwrap();
     assert_eq!(baked.portions, baked.parts.len());
     (baked.maps.remove(0), work.expected_rmse)

@@ -1,7 +1,9 @@
 //! Baked models on a disc: what is written beside what, and what other readers make of it.
 
 use conray::{AoSettings, Control, Session};
-use conray_bake::{Document, MapOptions, Origins, Places, Sheets, Unwrap, Written, bake_maps, write_model};
+use conray_bake::{
+    Document, Facing, MapOptions, Origins, Places, Sheets, Unwrap, Written, bake_maps, write_model,
+};
 use conray_scene::{Limits, load};
 use conray_target::{MapSize, PngDepth};
 use std::{
@@ -39,9 +41,9 @@ fn bake(source: &Path, to: &Path) -> Written {
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
     let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 }, Unwrap::Yes);
     let session = Session::build(scene.geometry, &settings).unwrap();
-    let places = Places::of(session.geometry(), &sheets, false, 1);
+    let places = Places::of(session.geometry(), &sheets, false, 1, Facing::default());
     let budget = session.plan().budget;
-    let baked = bake_maps(&session, &places, budget, &MapOptions::default(), Control::none()).unwrap();
+    let baked = bake_maps(&session, &[], &places, budget, &MapOptions::default(), Control::none()).unwrap();
     let document = Document::open(&fs::read(source).unwrap()).unwrap();
     let vertices: Vec<&[u32]> = session
         .geometry()

@@ -1,0 +1,137 @@
+//! What the points of a portion see: all together, or object by object where each is occluded by itself alone.
+
+use crate::{Facing, inside};
+use conray::{Budget, Control, Error, Outcome, PROGRESS_UNITS, Session, Work};
+use conray_core::{Estimate, Layout, SurfacePoint};
+use conray_target::{AtlasTarget, Target, TargetError};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Points that fill less than one place in so many of a portion's image are taken as scattered: the image would be work for nothing.
+const SPARSE: u64 = 16;
+
+/// An object that nothing else occludes.
+pub struct Apart {
+    /// Its instances in the whole scene.
+    pub instances: Vec<u32>,
+    /// What occludes it: itself, and perhaps a ground.
+    pub session: Session,
+}
+
+/// What became of a target's points, one by one in its order.
+pub(crate) struct Answers {
+    pub(crate) estimates: Vec<Estimate>,
+    /// Which lie inside other geometry.
+    pub(crate) inside: Vec<bool>,
+    pub(crate) works: Vec<Work>,
+}
+
+impl Answers {
+    /// Of all points among all that occludes.
+    pub(crate) fn of<T: Target>(
+        session: &Session,
+        target: &T,
+        budget: Budget,
+        control: Control<'_>,
+        facing: Facing,
+    ) -> Result<Self, Error> {
+        let Outcome { estimates, work } = session.run_target_within(budget, target, control)?;
+        let points = target.points();
+        // Who looks into a body lies inside it.
+        let inside =
+            if facing.inside { vec![false; points.len()] } else { inside(session, points, &estimates) };
+        Ok(Self { estimates, inside, works: vec![work] })
+    }
+
+    /// Of the points of each object among what occludes it; `instances` are those of the target's surfaces. Points of no object stay pending.
+    pub(crate) fn apart(
+        apart: &[Apart],
+        target: &AtlasTarget,
+        instances: &[u32],
+        budget: Budget,
+        control: Control<'_>,
+        facing: Facing,
+    ) -> Result<Self, Error> {
+        let count = target.points().len();
+        let mut all =
+            Self { estimates: vec![Estimate::PENDING; count], inside: vec![false; count], works: Vec::new() };
+        let most = instances.iter().max().map_or(0, |most| *most as usize + 1);
+        let mut object_of = vec![usize::MAX; most];
+        for (k, object) in apart.iter().enumerate() {
+            object
+                .instances
+                .iter()
+                .filter(|i| (**i as usize) < most)
+                .for_each(|&i| object_of[i as usize] = k);
+        }
+        let mut of_objects: Vec<Vec<usize>> = vec![Vec::new(); apart.len()];
+        for (point, &surface) in target.surfaces().iter().enumerate() {
+            if let Some(object) = of_objects.get_mut(object_of[instances[surface as usize] as usize]) {
+                object.push(point);
+            }
+        }
+        let mut left: usize = of_objects.iter().map(Vec::len).sum();
+        let (mut seconds, total) = (budget.seconds, left.max(1) as u64);
+        let (told, mut done) = (AtomicU64::new(0), 0);
+        for (object, indices) in apart.iter().zip(&of_objects).filter(|(_, indices)| !indices.is_empty()) {
+            let share = indices.len() as f64 / left as f64;
+            let budget = Budget { seconds: seconds.map(|seconds| seconds * share), ..budget };
+            let units = indices.len() as u64 * PROGRESS_UNITS / total;
+            let progress = |more: usize| {
+                let before = told.fetch_add(more as u64 * units, Ordering::Relaxed);
+                let after = before + more as u64 * units;
+                (control.progress)((after / PROGRESS_UNITS - before / PROGRESS_UNITS) as usize);
+            };
+            let part = Part::of(target, indices);
+            let found =
+                Self::of(&object.session, &part, budget, Control { progress: &progress, ..control }, facing)?;
+            for ((&index, estimate), inside) in indices.iter().zip(&found.estimates).zip(&found.inside) {
+                (all.estimates[index], all.inside[index]) = (*estimate, *inside);
+            }
+            let spent: f64 = found.works.iter().map(|work| work.seconds).sum();
+            seconds = seconds.map(|seconds| (seconds - spent).max(f64::MIN_POSITIVE));
+            left -= indices.len();
+            done += units;
+            all.works.extend(found.works);
+        }
+        // What the rounding of shares left.
+        (control.progress)((PROGRESS_UNITS - done.min(PROGRESS_UNITS)) as usize);
+        Ok(all)
+    }
+}
+
+/// Some points of a target, and how they lie.
+struct Part {
+    points: Vec<SurfacePoint>,
+    layout: Layout,
+}
+
+impl Part {
+    fn of(target: &AtlasTarget, indices: &[usize]) -> Self {
+        let points: Vec<SurfacePoint> = indices.iter().map(|&index| target.points()[index]).collect();
+        let layout = match target.layout() {
+            Layout::Image { width, height, .. }
+                if (points.len() as u64) * SPARSE < u64::from(width) * u64::from(height) =>
+            {
+                Layout::Scattered
+            }
+            layout => layout,
+        };
+        Self { points, layout }
+    }
+}
+
+impl Target for Part {
+    type Output = ();
+
+    fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+
+    fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    fn resolve(&self, _: &[Estimate]) -> Result<(), TargetError> {
+        Ok(())
+    }
+}
