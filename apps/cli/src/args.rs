@@ -1,17 +1,19 @@
 //! Commands and options.
 
 mod ao;
+mod bake;
 mod camera;
 mod parse;
 mod study;
 
 pub(crate) use ao::{AoArgs, SharedAoArgs};
+pub(crate) use bake::BakeArgs;
 pub(crate) use camera::{CameraArgs, GivenCameraArgs};
 pub(crate) use study::StudyArgs;
 
 use clap::{Args, Parser, Subcommand};
 use conray::AoSettings;
-use parse::{parse_bytes, parse_side_or_size, parse_size};
+use parse::{parse_bytes, parse_size};
 use std::path::PathBuf;
 
 /// Ambient occlusion by combining voxel cone tracing with ray tracing.
@@ -36,7 +38,7 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES)]
     Render(RenderArgs),
     /// Bakes the ambient occlusion of a model into textures
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
     Bake(BakeArgs),
     /// Estimates visibility at the vertices of a PLY file
     #[command(after_help = EXIT_CODES)]
@@ -71,34 +73,6 @@ pub(crate) struct RenderArgs {
     pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
-    #[command(flatten)]
-    pub(crate) ao: AoArgs,
-    #[command(flatten)]
-    pub(crate) run: RunArgs,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct BakeArgs {
-    /// The model: .glb, .gltf or .obj. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
-    pub(crate) model: PathBuf,
-    /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; or .png, a map for each material
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    /// Size of each map in texels, such as 2048 or 2048x1024
-    #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
-    pub(crate) size: (u32, u32),
-    /// Makes no new UVs: refuses a model whose UVs lie over each other or reach over several tiles
-    #[arg(long)]
-    pub(crate) no_unwrap: bool,
-    /// Texels by which islands are extended; without it until they meet
-    #[arg(long, value_name = "N")]
-    pub(crate) padding: Option<u32>,
-    /// Divides each texel into N x N parts, each asked about by itself
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
-    pub(crate) supersample: u32,
-    /// Bits per sample of the maps
-    #[arg(long, value_name = "8|16", default_value = "8", value_parser = clap::builder::PossibleValuesParser::new(["8", "16"]))]
-    pub(crate) bits: String,
     #[command(flatten)]
     pub(crate) ao: AoArgs,
     #[command(flatten)]

@@ -14,7 +14,7 @@ mod sample;
 mod study;
 
 use args::{Cli, Command};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -23,7 +23,17 @@ fn main() -> ExitCode {
         let _ = Cli::command().print_long_help();
         return ExitCode::SUCCESS;
     }
-    let result = match Cli::parse().command {
+    let words = match bake::with_job(std::env::args_os().collect()) {
+        Ok(words) => words,
+        Err(failure) => {
+            eprintln!("conray: {failure}");
+            return failure.code();
+        }
+    };
+    let matches = Cli::command().get_matches_from(words);
+    bake::keep(&matches);
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Bake(args) => bake::run(&args),
         Command::Sample(args) => sample::run(&args),

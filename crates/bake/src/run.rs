@@ -6,12 +6,14 @@ use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How maps are made of estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapOptions {
     /// Texels by which islands are extended; until they meet where it is `None`.
     pub padding: Option<u32>,
     /// Places that are asked about together at most: what is known of them takes some 400 bytes each.
     pub portion: u64,
+    /// Only this portion, to try; the maps then have no other values.
+    pub only: Option<Portion>,
     /// Differences at a seam up to this count as agreement.
     pub seam_bound: f32,
 }
@@ -21,7 +23,7 @@ pub const PORTION: u64 = 1 << 22;
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { padding: None, portion: PORTION, seam_bound: 0.02 }
+        Self { padding: None, portion: PORTION, only: None, seam_bound: 0.02 }
     }
 }
 
@@ -57,7 +59,10 @@ pub fn bake_maps(
     options: &MapOptions,
     control: Control<'_>,
 ) -> Result<Baked, Error> {
-    let portions = places.atlas.portions(options.portion)?;
+    let portions = match &options.only {
+        Some(only) => vec![only.clone()],
+        None => places.atlas.portions(options.portion)?,
+    };
     let mut maps = places.atlas.maps();
     let mut overlaps = vec![0.0; maps.len()];
     let mut buried = Buried::new(session.geometry());

@@ -2,7 +2,8 @@
 
 use crate::{AssignError, Buffers, Document, Kind, Origins, Sheets, Uvs, assign};
 use base64::{Engine, prelude::BASE64_STANDARD};
-use conray_target::{AtlasMap, PngDepth, TargetError, encode_png, write_atomically};
+use conray_core::Vec3;
+use conray_target::{AtlasMap, PngDepth, TargetError, encode_colour_png, encode_png, write_atomically};
 use std::{
     collections::BTreeSet,
     fs, io,
@@ -31,9 +32,55 @@ pub enum WriteError {
     },
 }
 
+/// What is done to visibility for its looks, apart from what is true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Occlusion is multiplied by this, and held at 1; 1 is the truth.
+    pub intensity: f32,
+    /// Visibility is raised to this power; 1 is the truth.
+    pub power: f32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { intensity: 1.0, power: 1.0 }
+    }
+}
+
+impl Look {
+    /// A visibility as it is to look.
+    pub fn of(self, visibility: f32) -> f32 {
+        // To the bit what it was where nothing is wanted.
+        if self == Self::default() {
+            return visibility;
+        }
+        (1.0 - self.intensity * (1.0 - visibility)).clamp(0.0, 1.0).powf(self.power)
+    }
+}
+
+/// How maps become PNG files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PngOptions {
+    /// Bits per sample.
+    pub depth: PngDepth,
+    /// What is done for the looks.
+    pub look: Look,
+}
+
+/// Bent directions of a map as a PNG: unit vectors in world space, each axis from -1 to 1 as 0 to 1. What has no direction points nowhere: (0.5, 0.5, 0.5).
+pub fn bent_png(map: &AtlasMap, depth: PngDepth) -> Vec<u8> {
+    let colour = |bent: &Vec3| (0.5 * bent.normalize_or_zero() + 0.5).to_array();
+    let values: Vec<[f32; 3]> = map.bent.iter().map(colour).collect();
+    let mut bytes = Vec::new();
+    encode_colour_png(&mut bytes, map.width, map.height, &values, depth)
+        .expect("maps have a size, and memory takes all");
+    bytes
+}
+
 /// A map as a grey PNG: linear visibility, 1 is white. What has no value is white.
-pub fn png(map: &AtlasMap, depth: PngDepth) -> Vec<u8> {
-    let values: Vec<f32> = map.visibility.iter().map(|&v| if v.is_nan() { 1.0 } else { v }).collect();
+pub fn png(map: &AtlasMap, PngOptions { depth, look }: PngOptions) -> Vec<u8> {
+    let values: Vec<f32> =
+        map.visibility.iter().map(|&v| if v.is_nan() { 1.0 } else { look.of(v) }).collect();
     let mut bytes = Vec::new();
     encode_png(&mut bytes, map.width, map.height, &values, depth)
         .expect("maps have a size, and memory takes all");
@@ -80,12 +127,12 @@ pub fn write_model(
     origins: &Origins<'_>,
     sheets: &Sheets,
     maps: &[AtlasMap],
-    depth: PngDepth,
+    options: PngOptions,
 ) -> Result<Written, WriteError> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut textures = Vec::new();
     for ((sheet, name), map) in sheets.sheets.iter().zip(file_names(sheets)).zip(maps) {
-        let texture = document.push_png(png(map, depth), &format!("{stem}-{name}-ao"), sheet.repeats);
+        let texture = document.push_png(png(map, options), &format!("{stem}-{name}-ao"), sheet.repeats);
         textures.push(texture.map_err(AssignError::from)?);
     }
     let anew = sheets.sheets.iter().any(|sheet| matches!(sheet.uvs, Uvs::New { .. }));

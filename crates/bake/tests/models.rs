@@ -2,7 +2,8 @@
 
 use conray::{AoSettings, Control, Session};
 use conray_bake::{
-    Document, Facing, MapOptions, Origins, Places, Sheets, Unwrap, Written, bake_maps, write_model,
+    Document, Facing, Look, MapOptions, Origins, Places, PngOptions, Sheets, Unwrap, Written, bake_maps,
+    write_model,
 };
 use conray_scene::{Limits, load};
 use conray_target::{MapSize, PngDepth};
@@ -51,8 +52,9 @@ fn bake(source: &Path, to: &Path) -> Written {
         .iter()
         .map(|instance| &scene.sources[instance.mesh as usize][..])
         .collect();
+    let png = PngOptions { depth: PngDepth::Eight, look: Look::default() };
     let origins = Origins { instances: &scene.origins, vertices: &vertices };
-    write_model(to, source, document, &origins, &sheets, &baked.maps, PngDepth::Eight).unwrap()
+    write_model(to, source, document, &origins, &sheets, &baked.maps, png).unwrap()
 }
 
 fn names(written: &Written) -> Vec<String> {

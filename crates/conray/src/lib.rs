@@ -37,7 +37,7 @@ mod work;
 
 pub use conray_bvh::Hit;
 pub use conray_core::{
-    Affine2, Affine3A, AlphaTexture, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry,
+    Affine2, Affine3A, AlphaTexture, Backs, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry,
     GeometryError, Instance, Layout, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity,
     TriangleMesh, Vec2, Vec3, View, Wrap,
 };

@@ -38,7 +38,7 @@ pub struct Session {
     pub(crate) bvh: Arc<Bvh>,
     pub(crate) octree: Option<Arc<Octree>>,
     pub(crate) backend: CpuBackend,
-    pub(crate) pool: rayon::ThreadPool,
+    pub(crate) pool: Arc<rayon::ThreadPool>,
     report: BuildReport,
 }
 
@@ -97,7 +97,43 @@ impl Session {
         };
         let bvh = Arc::new(bvh);
         let backend = CpuBackend::new(Arc::clone(&bvh), octree.clone());
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report })
+    }
+
+    /// A session of some instances alone, with the same plan and threads; the octree as fine as for the whole scene.
+    ///
+    /// # Errors
+    /// What a build refuses.
+    pub fn only(&self, instances: &[u32]) -> Result<Self, Error> {
+        let geometry = Arc::new(self.geometry.only(instances));
+        let start = Instant::now();
+        let bvh =
+            Arc::new(self.pool.install(|| Bvh::build(Arc::clone(&geometry)))?.at_level(self.bvh.level()));
+        let mut report = BuildReport {
+            bvh_seconds: start.elapsed().as_secs_f64(),
+            bvh_bytes: bvh.memory_bytes(),
+            ..Default::default()
+        };
+        let octree = match &self.octree {
+            None => None,
+            Some(octree) => {
+                let (start, resolution) = (Instant::now(), octree.resolution());
+                let options = OctreeOptions { resolution, ..OctreeOptions::default() };
+                let octree = self.pool.install(|| Octree::build(&geometry, &options))?;
+                report.octree_seconds = start.elapsed().as_secs_f64();
+                report.octree_bytes = octree.memory_bytes();
+                report.voxels = octree.resolution();
+                Some(Arc::new(octree))
+            }
+        };
+        let backend = CpuBackend::new(Arc::clone(&bvh), octree.clone());
+        let (bounds, plan, pool) = (geometry.bounds(), self.plan.clone(), Arc::clone(&self.pool));
         Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report })
+    }
+
+    /// Bytes of the scene and of what was built for it.
+    pub fn memory_bytes(&self) -> u64 {
+        geometry_bytes(&self.geometry) + self.report.bvh_bytes + self.report.octree_bytes
     }
 
     /// The scene.

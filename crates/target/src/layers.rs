@@ -1,6 +1,6 @@
 //! Image layers: one plane of 32-bit floats for each thing known about a pixel.
 
-use crate::fill::fill_pending;
+use crate::{AtlasMap, fill::fill_pending};
 use conray_core::{ConeEstimate, Estimate, SurfacePoint};
 use rayon::prelude::*;
 
@@ -86,6 +86,21 @@ impl Layers {
             .collect();
         let pending = estimates.iter().filter(|e| e.is_pending()).count();
         Self { width, height, channels, pending }
+    }
+
+    /// Those of a map, whose texels that no surface reads keep the values that islands were extended by.
+    pub(crate) fn of_map(map: &AtlasMap) -> Self {
+        let bent = |axis: usize| map.bent.iter().map(|bent| bent[axis]).collect();
+        let channel = |name, values| Channel { name, values };
+        let channels = vec![
+            channel("visibility", map.visibility.clone()),
+            channel("A", map.is_read.iter().map(|&is_read| f32::from(u8::from(is_read))).collect()),
+            channel("error", map.error.clone()),
+            channel("bent.X", bent(0)),
+            channel("bent.Y", bent(1)),
+            channel("bent.Z", bent(2)),
+        ];
+        Self { width: map.width, height: map.height, channels, pending: map.missing() }
     }
 
     /// Width in pixels.

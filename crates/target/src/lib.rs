@@ -54,5 +54,5 @@ pub use exr::{ExrImage, read_exr_channels, write_exr};
 pub use layers::{Channel, Layers};
 pub use metrics::{Metrics, compare};
 pub use ply::{MAX_POINTS, PlyError, PointValues, PointsTarget, Skipped};
-pub use png::{GreyImage, PngDepth, encode_png, read_png, write_png};
+pub use png::{GreyImage, PngDepth, encode_colour_png, encode_png, read_png, write_png};
 pub use target::Target;

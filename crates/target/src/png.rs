@@ -50,6 +50,30 @@ pub fn encode_png(
     values: &[f32],
     depth: PngDepth,
 ) -> io::Result<()> {
+    encode(writer, (width, height), ::png::ColorType::Grayscale, values, depth)
+}
+
+/// The same for red, green and blue.
+///
+/// # Errors
+/// As of [`encode_png`].
+pub fn encode_colour_png(
+    writer: &mut dyn Write,
+    width: u32,
+    height: u32,
+    values: &[[f32; 3]],
+    depth: PngDepth,
+) -> io::Result<()> {
+    encode(writer, (width, height), ::png::ColorType::Rgb, values.as_flattened(), depth)
+}
+
+fn encode(
+    writer: &mut dyn Write,
+    (width, height): (u32, u32),
+    colour: ::png::ColorType,
+    values: &[f32],
+    depth: PngDepth,
+) -> io::Result<()> {
     let samples = match depth {
         PngDepth::Eight => values.iter().map(|&v| quantise(v, 255.0) as u8).collect(),
         PngDepth::Sixteen => {
@@ -57,7 +81,7 @@ pub fn encode_png(
         }
     };
     let mut encoder = ::png::Encoder::new(writer, width, height);
-    encoder.set_color(::png::ColorType::Grayscale);
+    encoder.set_color(colour);
     encoder.set_depth(match depth {
         PngDepth::Eight => ::png::BitDepth::Eight,
         PngDepth::Sixteen => ::png::BitDepth::Sixteen,

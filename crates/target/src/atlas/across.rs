@@ -1,6 +1,7 @@
 //! Values for texels that surfaces read and that have none: from their own island, and over seams from where the surface goes on.
 
 use super::{map::AtlasMap, seams::Seam};
+use conray_core::Vec3;
 use std::collections::BTreeMap;
 
 /// Places a texel at which values go over a seam, so that each texel along it is met.
@@ -17,9 +18,10 @@ pub fn fill(seams: &[Seam], maps: &mut [AtlasMap]) {
             return;
         }
         let mut changed = vec![false; maps.len()];
-        for ((map, at), Mean { visibility, error, count }) in found {
+        for ((map, at), Mean { visibility, error, bent, count }) in found {
             maps[map].visibility[at] = visibility / count;
             maps[map].error[at] = error / count;
+            maps[map].bent[at] = bent / count;
             changed[map] = true;
         }
         maps.iter_mut().zip(changed).filter(|(_, changed)| *changed).for_each(|(map, _)| map.fill());
@@ -30,6 +32,7 @@ pub fn fill(seams: &[Seam], maps: &mut [AtlasMap]) {
 struct Mean {
     visibility: f32,
     error: f32,
+    bent: Vec3,
     count: f32,
 }
 
@@ -53,12 +56,16 @@ fn over(seams: &[Seam], maps: &[AtlasMap]) -> BTreeMap<(usize, usize), Mean> {
                 if visibility.is_nan() {
                     continue;
                 }
-                let error: f32 =
-                    maps[other].taps(uvs[there]).map(|(at, weight)| weight * maps[other].error[at]).sum();
+                let (mut error, mut bent) = (0.0, Vec3::ZERO);
+                for (at, weight) in maps[other].taps(uvs[there]) {
+                    error += weight * maps[other].error[at];
+                    bent += weight * maps[other].bent[at];
+                }
                 for (at, _) in lacking {
                     let mean = found.entry((map, at)).or_default();
                     mean.visibility += visibility;
                     mean.error += error;
+                    mean.bent += bent;
                     mean.count += 1.0;
                 }
             }

@@ -87,6 +87,11 @@ impl AtlasMap {
         })
     }
 
+    /// As layers of an image: visibility, its expected error, bent directions, and `A`, which is 1 where a surface reads.
+    pub fn layers(&self) -> crate::Layers {
+        crate::Layers::of_map(self)
+    }
+
     /// Texels that a surface reads and that have no value.
     pub fn missing(&self) -> usize {
         self.is_read.iter().zip(&self.visibility).filter(|(read, value)| **read && value.is_nan()).count()

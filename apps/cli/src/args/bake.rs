@@ -1,0 +1,159 @@
+//! Options of `conray bake`.
+
+use super::{AoArgs, RunArgs, parse::parse_side_or_size};
+use clap::{Args, ValueEnum, builder::PossibleValuesParser};
+use conray::Backs;
+use conray_bake::{Facing, Ground, Look, Scope};
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(crate) struct BakeArgs {
+    /// The model: .glb, .gltf or .obj. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
+    #[arg(required_unless_present = "options")]
+    model: Option<PathBuf>,
+    /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; .png, a map for each material; or .exr, the same as
+    /// 32-bit floats with expected errors and bent directions
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["options", "dry_run"])]
+    output: Option<PathBuf>,
+    /// Size of each map in texels, such as 2048 or 2048x1024
+    #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
+    pub(crate) size: (u32, u32),
+    /// Makes no new UVs: refuses a model whose UVs lie over each other or reach over several tiles
+    #[arg(long)]
+    pub(crate) no_unwrap: bool,
+    /// Texels by which islands are extended; without it until they meet
+    #[arg(long, value_name = "N")]
+    pub(crate) padding: Option<u32>,
+    /// Divides each texel into N x N parts, each asked about by itself
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub(crate) supersample: u32,
+    /// Bits per sample of PNG maps
+    #[arg(long, value_name = "8|16", default_value = "8", value_parser = PossibleValuesParser::new(["8", "16"]))]
+    pub(crate) bits: String,
+    /// Writes bent directions too, as PNG files beside the output: world space, -1 to 1 as black to white
+    #[arg(long)]
+    pub(crate) bent_normals: bool,
+    /// Copies of a mesh share one map, each occluded by its own node alone
+    #[arg(long)]
+    pub(crate) shared: bool,
+    /// Prints what would be done - maps, texels, memory, time - and writes nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Takes options from a JSON file first, as the summary of --json has them under "job"; those given here come on top
+    #[arg(long, value_name = "FILE")]
+    pub(crate) job: Option<PathBuf>,
+    /// Lists all options with their values and defaults, as JSON
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(["json"]), exclusive = true)]
+    pub(crate) options: Option<String>,
+    #[command(flatten)]
+    scope: ScopeArgs,
+    #[command(flatten)]
+    look: LookArgs,
+    #[command(flatten)]
+    pub(crate) ao: AoArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+/// Who takes part.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scope")]
+struct ScopeArgs {
+    /// Only what has such a name occludes: of a node, a mesh or a material, * for any characters and ? for one; may repeat
+    #[arg(long, value_name = "PATTERN")]
+    occluders: Vec<String>,
+    /// Only what has such a name is baked; may repeat
+    #[arg(long, value_name = "PATTERN")]
+    receivers: Vec<String>,
+    /// Each object is occluded by itself alone: a node of a glTF, an object of an OBJ
+    #[arg(long)]
+    self_only: bool,
+    /// Adds a ground that occludes, under the lowest point or at a height
+    #[arg(long, value_name = "Y", num_args = 0..=1, default_missing_value = "lowest", value_parser = parse_ground, allow_negative_numbers = true)]
+    ground: Option<Ground>,
+    /// Rays pass the backs of surfaces: of those that are not said to be seen from both sides, or of all
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "one-sided")]
+    ignore_backfaces: Option<BacksArg>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum BacksArg {
+    OneSided,
+    All,
+}
+
+/// Where points look, and what is done for the looks.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Look")]
+struct LookArgs {
+    /// Normal about which the hemisphere is taken: that of the shading or of the triangle
+    #[arg(long, value_enum, default_value = "shading")]
+    normal: NormalArg,
+    /// Looks into the surface: how thick a body is, by the AO distance
+    #[arg(long)]
+    inside: bool,
+    /// Multiplies occlusion in models and PNG files, from 0 to 10; 1 is the truth
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_look, allow_negative_numbers = true)]
+    intensity: f32,
+    /// Raises visibility to a power in models and PNG files, from 0 to 10; 1 is the truth
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_look, allow_negative_numbers = true)]
+    power: f32,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum NormalArg {
+    Shading,
+    Geometric,
+}
+
+impl BakeArgs {
+    /// The model; empty where only options are asked for.
+    pub(crate) fn model(&self) -> PathBuf {
+        self.model.clone().unwrap_or_default()
+    }
+
+    /// The output; empty where nothing is written.
+    pub(crate) fn output(&self) -> PathBuf {
+        self.output.clone().unwrap_or_default()
+    }
+
+    pub(crate) fn scope(&self) -> Scope {
+        let ScopeArgs { occluders, receivers, self_only, ground, ignore_backfaces } = &self.scope;
+        Scope {
+            occluders: occluders.clone(),
+            receivers: receivers.clone(),
+            self_only: *self_only || self.shared,
+            ground: *ground,
+            backs: match ignore_backfaces {
+                None => Backs::Block,
+                Some(BacksArg::OneSided) => Backs::PassOneSided,
+                Some(BacksArg::All) => Backs::Pass,
+            },
+        }
+    }
+
+    pub(crate) fn facing(&self) -> Facing {
+        Facing { flat: self.look.normal == NormalArg::Geometric, inside: self.look.inside }
+    }
+
+    pub(crate) fn look(&self) -> Look {
+        Look { intensity: self.look.intensity, power: self.look.power }
+    }
+}
+
+fn parse_ground(text: &str) -> Result<Ground, String> {
+    match text {
+        "lowest" => Ok(Ground::Lowest),
+        _ => text
+            .parse()
+            .ok()
+            .filter(|y: &f32| y.is_finite())
+            .map(Ground::At)
+            .ok_or_else(|| "expected a height in world units, or nothing for the lowest point".into()),
+    }
+}
+
+fn parse_look(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|x: &f32| (0.0..=10.0).contains(x));
+    value.ok_or_else(|| "expected a number from 0 to 10".into())
+}

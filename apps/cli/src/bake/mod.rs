@@ -1,0 +1,156 @@
+//! `conray bake`: ambient occlusion into the textures of a model.
+
+mod job;
+mod output;
+mod plan;
+mod summary;
+
+pub(crate) use job::{keep, with_job};
+
+use crate::{
+    args::BakeArgs,
+    explain,
+    failure::Failure,
+    interrupt,
+    render::{observed, stop_if},
+    report::Reporter,
+};
+use conray::{
+    AoSettings, Distance, Event, Session, SessionOptions, Work,
+    scene::{self, Scene},
+    target::{self, MapSize},
+};
+use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
+use output::Output;
+
+/// Texels of all maps together: more are beyond the numbers that count them, and any memory.
+const MAX_TEXELS: u64 = 1 << 30;
+
+pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
+    if args.options.is_some() {
+        return job::print_options();
+    }
+    let settings = args.ao.checked()?;
+    let reporter = Reporter::new(args.run.json, args.run.quiet);
+    let interrupted = interrupt::watch();
+    let (model, to) = (args.model(), args.output());
+    let output = Output::of(&model, &to)?;
+    if output.is_some() {
+        target::check_writable(&to)?;
+    }
+    let mut scene = scene::load(&model, &scene::Limits::default())?;
+    reporter.scene_warnings(&scene);
+    // What is chosen or added does not change the distance.
+    let distance = settings.distance.in_world(scene.geometry.bounds().diagonal());
+    let settings = AoSettings { distance: definite(settings.distance, distance), ..settings };
+    let shown: Vec<u32> = scene.geometry.instances().iter().map(|instance| instance.mesh).collect();
+    let chosen = args.scope().apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
+    let Scene { name, geometry, origins, sources, .. } = scene;
+    let sheets = {
+        let (width, height) = args.size;
+        let size = MapSize { width, height };
+        // New UVs are of use only where they are written too.
+        let is_written = matches!(output, Some(Output::Model(_)) | None) && !origins.is_empty();
+        let unwrap = if is_written && !args.no_unwrap { Unwrap::Yes } else { Unwrap::No };
+        match args.shared {
+            true => Sheets::shared(&geometry, &chosen.receivers, size, unwrap),
+            false => Sheets::of(&geometry, &chosen.receivers, size, unwrap),
+        }
+    };
+    if let Some(unmapped) = sheets.unmapped.first() {
+        return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
+    }
+    check_size(args, &sheets)?;
+    let options = SessionOptions { threads: args.run.threads };
+    let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
+    let apart = chosen.objects.into_iter().map(|instances| {
+        let session = session.only(&instances)?;
+        Ok(Apart { instances, session })
+    });
+    let apart = apart.collect::<Result<Vec<Apart>, conray::Error>>()?;
+    // Images of other formats than glTF have their first row at v = 1.
+    let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample, args.facing());
+    let structures =
+        session.memory_bytes() + apart.iter().map(|apart| apart.session.memory_bytes()).sum::<u64>();
+    let memory = Memory::within(&places, structures, settings.max_memory).map_err(|needed| {
+        Failure::Request(format!(
+            "--max-memory: the maps need {needed} bytes; allow more, or choose a smaller --size"
+        ))
+    })?;
+    let map_options = MapOptions { padding: args.padding, portion: memory.places, ..MapOptions::default() };
+    stop_if(interrupted, "before anything was estimated; no file was written")?;
+    if args.dry_run {
+        let ready = plan::Ready {
+            name: &name,
+            session: &session,
+            apart: &apart,
+            places: &places,
+            sheets: &sheets,
+            memory,
+            options: &map_options,
+        };
+        return plan::print(&ready, &reporter);
+    }
+    let baked = observed(interrupted, &reporter, |control| {
+        Ok(bake_maps(&session, &apart, &places, session.plan().budget, &map_options, control)?)
+    })?;
+    let Some(work) = Work::of_parts(&baked.parts) else {
+        return Err(Failure::Input(format!("{}: no surface reads a map", model.display())));
+    };
+    for (sheet, overlap) in sheets.sheets.iter().zip(&baked.overlaps).filter(|(_, overlap)| **overlap >= 1.0)
+    {
+        let message =
+            format!("{}: surfaces lie over each other on {overlap:.0} texels of its map", sheet.name);
+        reporter.event(Event::Warning { message });
+    }
+    let vertices: Vec<&[u32]> =
+        shown.iter().map(|&mesh| sources.get(mesh as usize).map_or(&[][..], Vec::as_slice)).collect();
+    let files = match output {
+        Some(output) => {
+            output.write(args, &sheets, &baked.maps, (&origins, &vertices), &session, &reporter)?
+        }
+        None => Vec::new(),
+    };
+    let missed = explain::missed(session.plan(), &work);
+    summary::tell(&summary::Told {
+        name: &name,
+        args,
+        settings: &settings,
+        session: &session,
+        sheets: &sheets,
+        baked: &baked,
+        work: &work,
+        files: &files,
+        missed: missed.as_deref(),
+        reporter: &reporter,
+    });
+    stop_if(interrupted, "what was done by then has been written")?;
+    explain::check(args.ao.strict, missed)
+}
+
+/// A distance that does not depend on what is in the scene; one that makes no sense is left for the settings to refuse.
+fn definite(distance: Distance, in_world: f32) -> Distance {
+    match distance {
+        Distance::Auto if in_world > 0.0 && in_world.is_finite() => Distance::World(in_world),
+        other => other,
+    }
+}
+
+fn check_size(args: &BakeArgs, sheets: &Sheets) -> Result<(), Failure> {
+    let ((width, height), count) = (args.size, sheets.sheets.len());
+    if count as u64 * u64::from(width) * u64::from(height) > MAX_TEXELS {
+        let what = format!("--size: {count} maps of {width} x {height} are too large; choose less");
+        return Err(Failure::Request(what));
+    }
+    Ok(())
+}
+
+fn no_uvs(unmapped: &Unmapped, sheets: &Sheets, name: &str) -> Failure {
+    let count = sheets.unmapped.len();
+    let name = if name.is_empty() { format!("surface {}", unmapped.instance) } else { name.to_string() };
+    Failure::Input(format!(
+        "{count} surfaces have no UV set that a map can use; the first is {name}: {}. Unwrap them into a set of their own, within the unit \
+         square and without overlaps, or bake a glTF without --no-unwrap",
+        unmapped.fault
+    ))
+}

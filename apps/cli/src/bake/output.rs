@@ -1,0 +1,121 @@
+//! What a bake writes.
+
+use crate::{
+    args::BakeArgs,
+    failure::Failure,
+    report::{self, Reporter},
+};
+use conray::{
+    Event, Session,
+    scene::{Format, Origin},
+    target::{self, AtlasMap, PngDepth},
+};
+use conray_bake::{Document, Origins, PngOptions, Sheets, bent_png, file_names, png, write_model};
+use std::path::{Path, PathBuf};
+
+/// What the output is.
+pub(super) enum Output {
+    /// A model like the one that came in.
+    Model(Document),
+    /// PNG files.
+    Png,
+    /// EXR files.
+    Exr,
+}
+
+impl Output {
+    /// What will be written, refused before any work where it cannot be; none where no output is named.
+    pub(super) fn of(model: &Path, output: &Path) -> Result<Option<Self>, Failure> {
+        if output.as_os_str().is_empty() {
+            return Ok(None);
+        }
+        let request = |problem: String| Failure::Request(format!("-o {}: {problem}", output.display()));
+        let ending =
+            |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let (from, to) = (ending(model), ending(output));
+        let is_input = matches!((model.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        match &to[..] {
+            _ if is_input => Err(request("it is the model itself; choose another name".into())),
+            "png" => Ok(Some(Self::Png)),
+            "exr" => Ok(Some(Self::Exr)),
+            "glb" | "gltf" if from == to => {
+                let input = |problem: String| Failure::Input(format!("{}: {problem}", model.display()));
+                let bytes = std::fs::read(model).map_err(|e| input(format!("cannot be read: {e}")))?;
+                let format = Format::detect(model, &bytes);
+                if format != Some(Format::Gltf) {
+                    return Err(input("it is no glTF".into()));
+                }
+                Ok(Some(Self::Model(Document::open(&bytes).map_err(|e| input(e.to_string()))?)))
+            }
+            _ if matches!(&from[..], "glb" | "gltf") => {
+                Err(request(format!("must end in .{from} as the model does, or in .png or .exr")))
+            }
+            _ => Err(request("must end in .png or .exr: only glTF is written back".into())),
+        }
+    }
+
+    /// Writes maps, and tells the files. `of` are the places in the model that instances come from, and the vertices of each.
+    pub(super) fn write(
+        self,
+        args: &BakeArgs,
+        sheets: &Sheets,
+        maps: &[AtlasMap],
+        of: (&[Origin], &[&[u32]]),
+        session: &Session,
+        reporter: &Reporter,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let to = args.output();
+        let depth = if args.bits == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
+        let options = PngOptions { depth, look: args.look() };
+        let stem = to.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let names = file_names(sheets);
+        let mut files = Vec::new();
+        if args.bent_normals {
+            for (name, map) in names.iter().zip(maps) {
+                let bytes = bent_png(map, depth);
+                let name = if maps.len() == 1 {
+                    format!("{stem}-bent.png")
+                } else {
+                    format!("{stem}-{name}-bent.png")
+                };
+                let path = to.with_file_name(name);
+                target::write_atomically(&path, |out| out.write_all(&bytes))?;
+                files.push(path);
+            }
+        }
+        match self {
+            Self::Model(document) => {
+                let origins = Origins { instances: of.0, vertices: of.1 };
+                let written = write_model(&to, &args.model(), document, &origins, sheets, maps, options)
+                    .map_err(|e| Failure::Work(format!("{}: {e}", to.display())))?;
+                for name in written.not_copied {
+                    let message = format!("{name}, which the model names, is not copied; copy it by hand");
+                    reporter.event(Event::Warning { message });
+                }
+                files.extend(written.files);
+            }
+            Self::Png | Self::Exr => {
+                let ending = if matches!(self, Self::Png) { "png" } else { "exr" };
+                for (name, map) in names.iter().zip(maps) {
+                    // Under the name asked for where there is one map, else with the map's name in it.
+                    let path = match maps.len() {
+                        1 => to.clone(),
+                        _ => to.with_file_name(format!("{stem}-{name}.{ending}")),
+                    };
+                    if ending == "png" {
+                        let bytes = png(map, options);
+                        target::write_atomically(&path, |out| out.write_all(&bytes))?;
+                    } else {
+                        let mut attributes = report::settings_text(&args.ao.settings());
+                        attributes.push(("model".into(), args.model().display().to_string()));
+                        attributes.push(("world-distance".into(), session.plan().distance.to_string()));
+                        attributes.push(("version".into(), env!("CARGO_PKG_VERSION").into()));
+                        target::write_exr(&path, &map.layers(), &attributes)?;
+                    }
+                    files.push(path);
+                }
+            }
+        }
+        Ok(files)
+    }
+}
