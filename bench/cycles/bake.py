@@ -41,16 +41,16 @@ def arguments():
     parser.add_argument("--alpha", default="material", choices=["material", "opaque"], help="whether opacity counts")
     parser.add_argument("--uv", help="name or number of the UV map; without it the one that occlusion is read by")
     parser.add_argument("--margin", type=int, default=0, help="texels by which islands are extended")
-    parser.add_argument("--margin-type", default="ADJACENT_FACES", choices=["ADJACENT_FACES", "EXTEND"])
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [])
 
 
-def load(model, wanted_uv):
+def load(model, wanted_uv, margin):
     """The meshes of a model in an otherwise empty scene, each with the wanted UV map alone, called `UV`."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=model, merge_vertices=False)
+    # A margin of adjacent faces goes on over edges, which must be joined for it. A few texels change by it.
+    bpy.ops.import_scene.gltf(filepath=model, merge_vertices=margin > 0)
     sets = {} if wanted_uv else Gltf(model).uv_sets()
     objects = [it for it in bpy.context.scene.objects if it.type == "MESH"]
     for mesh in {it.data for it in objects}:
@@ -64,7 +64,17 @@ def load(model, wanted_uv):
             if other != name:
                 mesh.uv_layers.remove(mesh.uv_layers[other])
         mesh.uv_layers[0].name = UV
+        into_first_tile(mesh.uv_layers[0].data)
     return objects
+
+
+def into_first_tile(corners):
+    """Moves triangles by whole tiles to where they are read from in a texture that repeats: Cycles bakes one tile."""
+    uvs = numpy.empty(2 * len(corners), numpy.float32)
+    corners.foreach_get("uv", uvs)
+    triangles = uvs.reshape(-1, 3, 2)
+    triangles -= numpy.floor(triangles.mean(axis=1, keepdims=True))
+    corners.foreach_set("uv", uvs)
 
 
 def plain(material, size, alpha):
@@ -130,13 +140,13 @@ def save(image, path, scene):
 def main():
     start = time.perf_counter()
     wanted = arguments()
-    objects = load(wanted.model, wanted.uv)
+    objects = load(wanted.model, wanted.uv, wanted.margin)
     materials = list({slot.material.name: slot.material for it in objects for slot in it.material_slots}.values())
     images = [plain(it, wanted.size, wanted.alpha) for it in materials]
     settings(bpy.context.scene, wanted)
     join(objects)
     before = time.perf_counter()
-    bpy.ops.object.bake(type="AO", margin=wanted.margin, margin_type=wanted.margin_type, use_clear=False)
+    bpy.ops.object.bake(type="AO", margin=wanted.margin, margin_type="ADJACENT_FACES", use_clear=False)
     bake_secs = time.perf_counter() - before
     stem, maps = wanted.out.removesuffix(".exr"), {}
     for material, image in zip(materials, images):
@@ -150,4 +160,5 @@ def main():
     }), flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

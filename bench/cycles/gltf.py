@@ -84,7 +84,10 @@ class Gltf:
             yield node, world
 
     def triangles(self):
-        """Material's name, positions, normals and UVs (triangles x 3 corners x ...) of each primitive in the world."""
+        """Material's name, positions, normals and UVs (triangles x 3 corners x ...) of each primitive in the world.
+
+        Triangles are moved into the first tile of the texture.
+        """
         sets = self.uv_sets()
         for node, world in self.nodes():
             if "mesh" not in node:
@@ -96,7 +99,9 @@ class Gltf:
                 of = {key: self.numbers(it)[corners].astype(numpy.float64) for key, it in primitive["attributes"].items()}
                 normals = of["NORMAL"] @ turn.T
                 normals /= numpy.maximum(numpy.linalg.norm(normals, axis=-1, keepdims=True), 1e-30)
-                yield name, of["POSITION"] @ world[:3, :3].T + world[:3, 3], normals, of[f"TEXCOORD_{sets[name]}"]
+                uvs = of[f"TEXCOORD_{sets[name]}"]
+                uvs -= numpy.floor(uvs.mean(axis=1, keepdims=True))
+                yield name, of["POSITION"] @ world[:3, :3].T + world[:3, 3], normals, uvs
 
 
 def matrix(node):
