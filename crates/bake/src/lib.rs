@@ -17,6 +17,7 @@ mod document;
 mod places;
 mod sheets;
 mod unwrap;
+mod vertex;
 mod write;
 
 pub use assign::{AssignError, Origins, assign};
@@ -25,4 +26,5 @@ pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use places::Places;
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;
+pub use vertex::{SlotSurface, Slots, objects};
 pub use write::{WriteError, Written, file_names, png, write_model};
