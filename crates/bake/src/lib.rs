@@ -26,5 +26,5 @@ pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use places::Places;
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;
-pub use vertex::{SlotSurface, Slots, objects};
+pub use vertex::{SlotSurface, Slots, VertexSettings, VertexTarget, VertexValues, objects};
 pub use write::{WriteError, Written, file_names, png, write_model};

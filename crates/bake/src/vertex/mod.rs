@@ -9,6 +9,13 @@
 //! write.rs: glTF, plain.rs: PLY and OBJ <- fit.rs: the values, by solve.rs, smooth by kinks.rs <---------+
 //! ```
 
+mod fit;
+mod kinks;
+mod samples;
 mod slots;
+mod solve;
+mod values;
 
+pub use samples::{VertexSettings, VertexTarget};
 pub use slots::{SlotSurface, Slots, objects};
+pub use values::VertexValues;
