@@ -42,16 +42,19 @@ fn estimates(points: &[SurfacePoint], of: impl Fn(Vec3) -> f32) -> Vec<Estimate>
     points.iter().map(estimate).collect()
 }
 
-/// Root mean square difference, over the surface, of what is drawn between values and the truth: at 36 places of each triangle.
+/// Root mean square difference, over the surface, of what is drawn between values and the truth: at the middles of 64 parts of each triangle.
 fn rmse(session: &Session, slots: &Slots, values: &[f32], truth: impl Fn(Vec3) -> f32) -> f64 {
+    let part = |i: u32, j: u32, third: f32| [i, j].map(|k| (k as f32 + third) / 8.0);
+    let upright = (0..8).flat_map(|i| (0..8 - i).map(move |j| part(i, j, 1.0 / 3.0)));
+    let turned = (0..7).flat_map(|i| (0..7 - i).map(move |j| part(i, j, 2.0 / 3.0)));
+    let places: Vec<[f32; 2]> = upright.chain(turned).collect();
     let (mut sum, mut area) = (0.0, 0.0);
     for surface in slots.surfaces() {
         for triangle in 0..surface.triangles.len() {
             let [a, b, c] = session.bvh().world_corners(surface.instance, triangle as u32);
             let own = f64::from((b - a).cross(c - a).length());
             let shown = surface.corners(triangle).map(|slot| values[slot as usize]);
-            for (i, j) in (0..8).flat_map(|i| (0..8 - i).map(move |j| (i, j))) {
-                let [u, v] = [i, j].map(|k| (k as f32 + 1.0 / 3.0) / 8.0);
+            for &[u, v] in &places {
                 let drawn = shown[0] * (1.0 - u - v) + shown[1] * u + shown[2] * v;
                 let place = a + (b - a) * u + (c - a) * v;
                 sum += own * f64::from(drawn - truth(place)).powi(2);
@@ -133,9 +136,9 @@ fn constants_stay_whatever_is_known() {
 
 #[test]
 fn a_fit_draws_steps_and_dark_corners_better_than_values_at_vertices_do() {
-    // Fitted, sampled: 0.0730, 0.0849 for the step; 0.0429, 0.0929 for the corner; 0.0110, 0.0205 for the waves.
+    // Fitted, sampled: 0.073, 0.086 for the step; 0.040, 0.095 for the corner; 0.0107, 0.0209 for the waves.
     let functions: [fn(Vec3) -> f32; 3] = [step, corner, waves];
-    for (of, most) in functions.into_iter().zip([0.88, 0.48, 0.56]) {
+    for (of, most) in functions.into_iter().zip([0.87, 0.45, 0.53]) {
         let (values, fitted, sampled) = errors(of, &VertexSettings::default());
         assert!(fitted < most * sampled, "{fitted} fitted, {sampled} sampled");
         assert!((values.misfit / fitted - 1.0).abs() < 0.1, "{} of {fitted}", values.misfit);
