@@ -6,10 +6,13 @@
 //! model file -> document/: glTF kept as it is written <- assign.rs: a map becomes an occlusion texture <------+
 //! ```
 //!
+//! vertex/: values at vertices instead, fitted to points all over the surface; glTF that shows them.
+//!
 //! buried.rs tells which texels lie inside other geometry: they are filled from their neighbours.
 //!
-//! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result; [`Document`] is a glTF file that is changed in a few places and
-//! stays as it was in all others.
+//! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result. [`Slots`] finds which
+//! corners share a value, [`VertexTarget`] where to ask and what the values are, [`write_vertex_model`] writes them.
+//! [`Document`] is a glTF file that is changed in a few places and stays as it was in all others.
 
 mod assign;
 mod buried;
@@ -26,5 +29,8 @@ pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use places::Places;
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;
-pub use vertex::{SlotSurface, Slots, VertexSettings, VertexTarget, VertexValues, objects};
+pub use vertex::{
+    SlotSurface, Slots, VertexAttribute, VertexSettings, VertexTarget, VertexValues, assign_vertices,
+    objects, write_vertex_model,
+};
 pub use write::{WriteError, Written, file_names, png, write_model};

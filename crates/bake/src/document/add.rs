@@ -1,6 +1,6 @@
 //! What a document gains: bytes, accessors, images, textures.
 
-use super::{Document, DocumentError, Kind};
+use super::{Document, DocumentError, Kind, gather::ARRAY_BUFFER};
 use serde_json::{Map, Value, json};
 
 /// Linear, as most renderers take textures without a sampler.
@@ -74,7 +74,7 @@ impl Document {
         names.find(|file| !taken(file)).expect("names without end")
     }
 
-    /// Adds vectors of floats, each of `N` components, as an accessor.
+    /// Adds vectors of floats, each of `N` components, as an accessor for vertices.
     ///
     /// # Errors
     /// Where the document's lists are none.
@@ -85,6 +85,7 @@ impl Document {
     ) -> Result<usize, DocumentError> {
         let bytes: Vec<u8> = values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
         let view = self.push_bytes(&bytes, name)?;
+        self.element_mut("bufferViews", view)?.insert("target".into(), ARRAY_BUFFER.into());
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
         let accessor =
             json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": kind });

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use std::collections::HashMap;
 
 /// What a buffer view is for.
-const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// Component types: of indices, and of floats.
 const UNSIGNED_INT: u32 = 5125;
@@ -41,7 +41,7 @@ impl Buffers {
 }
 
 /// Elements of an accessor, byte by byte.
-struct Elements<'a> {
+pub(super) struct Elements<'a> {
     /// Of the view from the first element on; `None` where all are zero.
     bytes: Option<&'a [u8]>,
     stride: usize,
@@ -51,7 +51,7 @@ struct Elements<'a> {
 }
 
 impl Elements<'_> {
-    fn get(&self, index: u32) -> Option<Vec<u8>> {
+    pub(super) fn get(&self, index: u32) -> Option<Vec<u8>> {
         if let Some(bytes) = self.sparse.get(&u64::from(index)) {
             return Some(bytes.to_vec());
         }
@@ -65,7 +65,7 @@ impl Elements<'_> {
     }
 }
 
-fn number(map: &Map<String, Value>, key: &str) -> Option<usize> {
+pub(super) fn number(map: &Map<String, Value>, key: &str) -> Option<usize> {
     map.get(key).and_then(Value::as_u64).and_then(|number| usize::try_from(number).ok())
 }
 
@@ -123,7 +123,7 @@ impl Document {
     }
 
     /// `None` for an accessor that cannot be read.
-    fn elements<'a>(&self, accessor: usize, buffers: &'a Buffers) -> Option<Elements<'a>> {
+    pub(super) fn elements<'a>(&self, accessor: usize, buffers: &'a Buffers) -> Option<Elements<'a>> {
         let accessor = self.element("accessors", accessor).ok()?;
         let component = component_bytes(number(accessor, "componentType")?)?;
         let components = match accessor.get("type")?.as_str()? {

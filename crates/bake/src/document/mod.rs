@@ -6,6 +6,7 @@
 //! ("glTF 2.0 Specification", sections 3.2 and 4.4.)
 
 mod add;
+mod colours;
 mod container;
 mod files;
 mod gather;

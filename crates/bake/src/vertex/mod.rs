@@ -15,7 +15,9 @@ mod samples;
 mod slots;
 mod solve;
 mod values;
+mod write;
 
 pub use samples::{VertexSettings, VertexTarget};
 pub use slots::{SlotSurface, Slots, objects};
 pub use values::VertexValues;
+pub use write::{VertexAttribute, assign_vertices, write_vertex_model};
