@@ -11,12 +11,14 @@
 
 mod fit;
 mod kinks;
+mod plain;
 mod samples;
 mod slots;
 mod solve;
 mod values;
 mod write;
 
+pub use plain::{write_obj, write_ply};
 pub use samples::{VertexSettings, VertexTarget};
 pub use slots::{SlotSurface, Slots, objects};
 pub use values::VertexValues;
