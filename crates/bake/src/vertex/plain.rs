@@ -68,8 +68,10 @@ fn put(out: &mut dyn Write, vector: Vec3) -> io::Result<()> {
     vector.to_array().iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
 }
 
-/// Writes surfaces as an OBJ file, an object for each, in world space: `v x y z r g b` with the visibility as a linear grey from 0 to 1, as many programs read colours of
-/// vertices, and `vn` where a surface has normals. UVs and materials are not written. The file is whole or not there.
+/// Writes surfaces as an OBJ file, an object for each, in world space.
+///
+/// Vertices are `v x y z r g b` with the visibility as a linear grey from 0 to 1, as many programs read colours of vertices, and have `vn` where a
+/// surface has normals. UVs and materials are not written. The file is whole or not there.
 ///
 /// ("Object Files (.obj)", appendix B1 of the Advanced Visualizer manual, Wavefront, 1995; colours came later and have no document.)
 ///

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
 /// Points that every triangle gets, however small, where the mean is no less. Three values need three points that lie on no line; four are an
-/// aligned block of the sequence, one in each quarter of the triangle.
+/// aligned block of the sequence, one in each of four parts of equal area.
 const LEAST: f32 = 4.0;
 /// Points of a triangle at most beyond those: it has three values, and that many points tell them as well as more would.
 const MOST: u32 = 252;
@@ -24,8 +24,8 @@ const MOST: u32 = 252;
 pub struct VertexSettings {
     /// Points for each triangle in the mean, in [`VertexSettings::SAMPLES`]: four for each, the others by area.
     pub samples_per_triangle: f32,
-    /// How much a kink between two triangles counts against nearness to the estimates (alpha of the paper), in [`VertexSettings::SMOOTHNESS`], without a
-    /// unit. 0: nearness alone. At 1 a triangle that kinks by as much as it is off is as bad in both.
+    /// How much kinks between triangles count against nearness to the estimates (alpha of the paper), in [`VertexSettings::SMOOTHNESS`], without a unit: 0
+    /// is nearness alone; at 1 a kink at every edge counts for as much as being off by as much everywhere.
     pub smoothness: f32,
 }
 
@@ -52,6 +52,8 @@ impl VertexSettings {
 
 impl Default for VertexSettings {
     fn default() -> Self {
+        // On the corner and the waves of fit/tests.rs, with noise of 0.05 on the estimates, a smoothness of 0.1 to 0.3 left the least error; on the waves
+        // without noise 0.1 leaves 5 % more than none. Twice the points left 2 to 14 % less with noise, and 1 % less without.
         Self { samples_per_triangle: 8.0, smoothness: 0.1 }
     }
 }
