@@ -7,7 +7,7 @@ mod parse;
 mod study;
 
 pub(crate) use ao::{AoArgs, SharedAoArgs};
-pub(crate) use bake::BakeArgs;
+pub(crate) use bake::{BakeArgs, ToArg};
 pub(crate) use camera::{CameraArgs, GivenCameraArgs};
 pub(crate) use study::StudyArgs;
 

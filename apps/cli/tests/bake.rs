@@ -104,7 +104,12 @@ fn requests_that_make_no_sense_are_refused_before_any_work() {
     refused(&dir, &["sail.glb", "-o", "sail.glb"], 2, "it is the model itself");
     refused(&dir, &["sail.glb", "-o", "./sail.glb"], 2, "it is the model itself");
     refused(&dir, &["sail.glb", "-o", "out.gltf"], 2, "must end in .glb");
-    refused(&dir, &["corner.obj", "-o", "out.glb"], 2, "must end in .png or .exr: only glTF is written back");
+    refused(
+        &dir,
+        &["corner.obj", "-o", "out.glb"],
+        2,
+        "must end in .png, .exr, .ply or .obj: only glTF is written back",
+    );
     refused(&dir, &["sail.glb", "-o", "out.tga"], 2, "must end in");
     refused(&dir, &["sail.glb", "-o", "nowhere/out.glb"], 1, "nowhere");
     for size in ["0", "100000", "axb"] {

@@ -3,7 +3,7 @@
 use crate::{Facing, inside};
 use conray::{Budget, Control, Error, Outcome, PROGRESS_UNITS, Session, Work};
 use conray_core::{Estimate, Layout, SurfacePoint};
-use conray_target::{AtlasTarget, Target, TargetError};
+use conray_target::{Target, TargetError};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Points that fill less than one place in so many of a portion's image are taken as scattered: the image would be work for nothing.
@@ -42,10 +42,10 @@ impl Answers {
         Ok(Self { estimates, inside, works: vec![work] })
     }
 
-    /// Of the points of each object among what occludes it; `instances` are those of the target's surfaces. Points of no object stay pending.
-    pub(crate) fn apart(
+    /// Of the points of each object among what occludes it; `instances` are those of the points. Points of no object stay pending.
+    pub(crate) fn apart<T: Target>(
         apart: &[Apart],
-        target: &AtlasTarget,
+        target: &T,
         instances: &[u32],
         budget: Budget,
         control: Control<'_>,
@@ -64,8 +64,8 @@ impl Answers {
                 .for_each(|&i| object_of[i as usize] = k);
         }
         let mut of_objects: Vec<Vec<usize>> = vec![Vec::new(); apart.len()];
-        for (point, &surface) in target.surfaces().iter().enumerate() {
-            if let Some(object) = of_objects.get_mut(object_of[instances[surface as usize] as usize]) {
+        for (point, &instance) in instances.iter().enumerate() {
+            if let Some(object) = of_objects.get_mut(object_of[instance as usize]) {
                 object.push(point);
             }
         }
@@ -106,7 +106,7 @@ struct Part {
 }
 
 impl Part {
-    fn of(target: &AtlasTarget, indices: &[usize]) -> Self {
+    fn of<T: Target>(target: &T, indices: &[usize]) -> Self {
         let points: Vec<SurfacePoint> = indices.iter().map(|&index| target.points()[index]).collect();
         let layout = match target.layout() {
             Layout::Image { width, height, .. }

@@ -18,7 +18,7 @@ pub enum AssignError {
 }
 
 /// A primitive as a node shows it.
-type Place = (u32, u32);
+pub(crate) type Place = (u32, u32);
 
 /// What writing needs to know of the scene that a document became.
 #[derive(Clone, Copy, Debug)]
@@ -102,34 +102,33 @@ pub fn assign(
 }
 
 /// Gives a primitive these vertices of those that it had, as a list of triangles.
-fn split(
+pub(crate) fn split(
     document: &mut Document,
     primitive: &mut Map<String, Value>,
     vertices: &[u32],
     buffers: &Buffers,
     name: &str,
 ) -> Result<(), DocumentError> {
-    primitive.remove("mode");
-    if let Some(Value::Object(extensions)) = primitive.get_mut("extensions") {
-        // What it compresses is what was there before.
-        extensions.remove("KHR_draco_mesh_compression");
-    }
-    let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
-    let mut lists: Vec<Value> = targets.map(std::mem::take).unwrap_or_default();
-    let has_targets = !lists.is_empty();
-    lists.push(primitive.remove("attributes").unwrap_or_default());
-    for attributes in lists.iter_mut().filter_map(Value::as_object_mut) {
-        for accessor in attributes.values_mut() {
+    primitive.shift_remove("mode");
+    decompress(primitive);
+    let mut gather = |attributes: &mut Value| {
+        for accessor in attributes.as_object_mut().into_iter().flat_map(Map::values_mut) {
             let of = index(accessor)
                 .ok_or_else(|| DocumentError::Missing("the accessor of an attribute".into()))?;
             *accessor = document.gather(of, vertices, buffers, name)?.into();
         }
+        Ok(())
+    };
+    let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
+    targets.into_iter().flatten().try_for_each(&mut gather)?;
+    primitive.get_mut("attributes").map_or(Ok(()), gather)
+}
+
+/// Takes back that a primitive is compressed: what that holds is what was there before.
+pub(crate) fn decompress(primitive: &mut Map<String, Value>) {
+    if let Some(Value::Object(extensions)) = primitive.get_mut("extensions") {
+        extensions.shift_remove("KHR_draco_mesh_compression");
     }
-    primitive.insert("attributes".into(), lists.pop().unwrap_or_default());
-    if has_targets {
-        primitive.insert("targets".into(), lists.into());
-    }
-    Ok(())
 }
 
 /// The primitives of the document, each as every node shows it, that use a material: how many.
@@ -144,7 +143,8 @@ fn users(document: &Document, material: usize) -> usize {
     (0..document.count("meshes")).map(|mesh| in_mesh(mesh) * nodes_of(document, mesh).len().max(1)).sum()
 }
 
-fn index(value: &Value) -> Option<usize> {
+/// What an index of the document is.
+pub(crate) fn index(value: &Value) -> Option<usize> {
     value.as_u64().and_then(|value| usize::try_from(value).ok())
 }
 
@@ -160,7 +160,10 @@ fn nodes_of(document: &Document, mesh: usize) -> Vec<u32> {
 }
 
 /// A primitive as it is written.
-fn primitive(document: &Document, (node, primitive): Place) -> Result<&Map<String, Value>, DocumentError> {
+pub(crate) fn primitive(
+    document: &Document,
+    (node, primitive): Place,
+) -> Result<&Map<String, Value>, DocumentError> {
     let mesh = mesh_of(document, node)?;
     let place = || format!("meshes/{mesh}/primitives/{primitive}");
     let found =
@@ -169,7 +172,7 @@ fn primitive(document: &Document, (node, primitive): Place) -> Result<&Map<Strin
 }
 
 /// Gives nodes the primitives that are wanted for them; a mesh that several nodes would show differently is copied.
-fn show(document: &mut Document, wanted: &BTreeMap<Place, Value>) -> Result<(), AssignError> {
+pub(crate) fn show(document: &mut Document, wanted: &BTreeMap<Place, Value>) -> Result<(), AssignError> {
     for mesh in 0..document.count("meshes") {
         // The primitives that change, for each node that shows the mesh.
         let mut by_node: Vec<(u32, Vec<(u32, &Value)>)> = Vec::new();

@@ -87,6 +87,20 @@ impl Buried {
     }
 }
 
+/// Takes back that points lie inside for instances of which most do: what is about these is turned inside out. `instances` are those of the points.
+pub(crate) fn mostly_outside(inside: &mut [bool], instances: &[u32]) {
+    let most = instances.iter().max().map_or(0, |most| *most as usize + 1);
+    let mut counts = vec![[0u64; 2]; most];
+    for (&instance, &inside) in instances.iter().zip(&*inside) {
+        let [all, within] = &mut counts[instance as usize];
+        (*all, *within) = (*all + 1, *within + u64::from(inside));
+    }
+    for (&instance, inside) in instances.iter().zip(inside) {
+        let [all, within] = counts[instance as usize];
+        *inside &= within as f64 <= MOST_BURIED * all as f64;
+    }
+}
+
 /// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
 pub fn inside(session: &Session, points: &[SurfacePoint], estimates: &[Estimate]) -> Vec<bool> {
     let solid = solid(session.geometry());

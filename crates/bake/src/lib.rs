@@ -7,10 +7,13 @@
 //! model file -> document/: glTF kept as it is written <- assign.rs: a map becomes an occlusion texture <------+
 //! ```
 //!
+//! vertex/: values at vertices instead, fitted to points all over the surface; glTF, PLY and OBJ that show them.
+//!
 //! buried.rs tells which texels lie inside other geometry: they are filled from their neighbours.
 //!
-//! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result; [`Document`] is a glTF file that is changed in a few places and
-//! stays as it was in all others.
+//! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result. [`Slots`] finds which
+//! corners share a value, [`VertexTarget`] where to ask and what the values are, [`write_vertex_model`], [`write_ply`] and [`write_obj`] write them.
+//! [`Document`] is a glTF file that is changed in a few places and stays as it was in all others.
 
 mod answers;
 mod assign;
@@ -22,6 +25,7 @@ mod run;
 mod scope;
 mod sheets;
 mod unwrap;
+mod vertex;
 mod write;
 
 pub use answers::Apart;
@@ -34,4 +38,8 @@ pub use run::{Baked, MapOptions, PORTION, bake_maps};
 pub use scope::{Chosen, Ground, Scope, ScopeError};
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;
+pub use vertex::{
+    SlotSurface, Slots, VertexAttribute, VertexBake, VertexSettings, VertexTarget, VertexValues,
+    assign_vertices, bake_vertices, objects, write_obj, write_ply, write_vertex_model,
+};
 pub use write::{Look, PngOptions, WriteError, Written, bent_png, file_names, png, write_model};

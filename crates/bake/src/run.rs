@@ -79,7 +79,11 @@ pub fn bake_maps(
         let answers = shares.next(control, |budget, control| {
             let answers = match apart {
                 [] => Answers::of(session, &target, budget, control, places.facing)?,
-                _ => Answers::apart(apart, &target, &places.instances, budget, control, places.facing)?,
+                _ => {
+                    let of = |&surface: &u32| places.instances[surface as usize];
+                    let instances: Vec<u32> = target.surfaces().iter().map(of).collect();
+                    Answers::apart(apart, &target, &instances, budget, control, places.facing)?
+                }
             };
             let seconds = answers.works.iter().map(|work| work.seconds).sum();
             Ok::<_, Error>((seconds, answers))

@@ -136,10 +136,18 @@ pub fn write_model(
         textures.push(texture.map_err(AssignError::from)?);
     }
     let anew = sheets.sheets.iter().any(|sheet| matches!(sheet.uvs, Uvs::New { .. }));
-    let read = |uri: &str| bytes_of(source, uri);
-    let buffers =
-        if anew { Buffers::of(&document, read).map_err(AssignError::from)? } else { Buffers::default() };
+    let buffers = if anew { buffers_of(&document, source)? } else { Buffers::default() };
     assign(&mut document, origins, sheets, &textures, &buffers, &format!("{stem}-ao"))?;
+    write_document(path, source, &document)
+}
+
+/// The buffers of a document that was read from there.
+pub(crate) fn buffers_of(document: &Document, source: &Path) -> Result<Buffers, AssignError> {
+    Ok(Buffers::of(document, |uri| bytes_of(source, uri))?)
+}
+
+/// Writes a document that was read from `source`, with its files.
+pub(crate) fn write_document(path: &Path, source: &Path, document: &Document) -> Result<Written, WriteError> {
     let bytes = document.to_bytes().map_err(AssignError::from)?;
     let mut written = Written::default();
     if document.kind() == Kind::Text {

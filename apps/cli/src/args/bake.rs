@@ -3,18 +3,21 @@
 use super::{AoArgs, RunArgs, parse::parse_side_or_size};
 use clap::{Args, ValueEnum, builder::PossibleValuesParser};
 use conray::Backs;
-use conray_bake::{Facing, Ground, Look, Scope};
+use conray_bake::{Facing, Ground, Look, Scope, VertexAttribute, VertexSettings};
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(crate) struct BakeArgs {
-    /// The model: .glb, .gltf or .obj. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
+    /// The model: .glb, .gltf or .obj, for vertices .ply and .stl too. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
     #[arg(required_unless_present = "options")]
     model: Option<PathBuf>,
-    /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; .png, a map for each material; or .exr, the same as
-    /// 32-bit floats with expected errors and bent directions
+    /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; .png, a map for each material; .exr, the same as
+    /// 32-bit floats with expected errors and bent directions; or .ply or .obj, values at vertices
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["options", "dry_run"])]
     output: Option<PathBuf>,
+    /// What carries the values: textures, or the vertices; without it by the output: vertices for .ply and .obj
+    #[arg(long, value_enum)]
+    pub(crate) to: Option<ToArg>,
     /// Size of each map in texels, such as 2048 or 2048x1024
     #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
     pub(crate) size: (u32, u32),
@@ -46,6 +49,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(["json"]), exclusive = true)]
     pub(crate) options: Option<String>,
     #[command(flatten)]
+    pub(crate) vertex: VertexArgs,
+    #[command(flatten)]
     scope: ScopeArgs,
     #[command(flatten)]
     look: LookArgs,
@@ -53,6 +58,49 @@ pub(crate) struct BakeArgs {
     pub(crate) ao: AoArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+/// What carries the values.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ToArg {
+    Texture,
+    Vertex,
+}
+
+/// How values come to vertices.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Vertices")]
+pub(crate) struct VertexArgs {
+    /// Where a glTF holds them: in COLOR_0 in place of its colours or times these, or in the attribute _AO
+    #[arg(long, value_enum, default_value = "color")]
+    attribute: AttributeArg,
+    /// Points for each triangle in the mean, from 1 to 256, to which the values are fitted
+    #[arg(long, value_name = "N", default_value_t = VertexSettings::default().samples_per_triangle, allow_negative_numbers = true)]
+    samples_per_triangle: f32,
+    /// How much kinks between triangles count against nearness to the points, from 0 to 1000
+    #[arg(long, value_name = "X", default_value_t = VertexSettings::default().smoothness, allow_negative_numbers = true)]
+    smoothness: f32,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum AttributeArg {
+    Color,
+    Multiply,
+    Ao,
+}
+
+impl VertexArgs {
+    pub(crate) fn settings(&self) -> VertexSettings {
+        VertexSettings { samples_per_triangle: self.samples_per_triangle, smoothness: self.smoothness }
+    }
+
+    pub(crate) fn attribute(&self) -> VertexAttribute {
+        match self.attribute {
+            AttributeArg::Color => VertexAttribute::Color,
+            AttributeArg::Multiply => VertexAttribute::MultipliedColor,
+            AttributeArg::Ao => VertexAttribute::Ao,
+        }
+    }
 }
 
 /// Who takes part.

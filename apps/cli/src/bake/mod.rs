@@ -4,6 +4,7 @@ mod job;
 mod output;
 mod plan;
 mod summary;
+mod vertex;
 
 pub(crate) use job::{keep, with_job};
 
@@ -16,7 +17,7 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Distance, Event, Session, SessionOptions, Work,
+    AoSettings, Distance, Event, Geometry, Session, SessionOptions, Work,
     scene::{self, Scene},
     target::{self, MapSize},
 };
@@ -46,28 +47,34 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     let shown: Vec<u32> = scene.geometry.instances().iter().map(|instance| instance.mesh).collect();
     let chosen = args.scope().apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
     let Scene { name, geometry, origins, sources, .. } = scene;
-    let sheets = {
-        let (width, height) = args.size;
-        let size = MapSize { width, height };
-        // New UVs are of use only where they are written too.
-        let is_written = matches!(output, Some(Output::Model(_)) | None) && !origins.is_empty();
-        let unwrap = if is_written && !args.no_unwrap { Unwrap::Yes } else { Unwrap::No };
-        match args.shared {
-            true => Sheets::shared(&geometry, &chosen.receivers, size, unwrap),
-            false => Sheets::of(&geometry, &chosen.receivers, size, unwrap),
-        }
+    let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
+    let sheets = if for_vertices {
+        Sheets::default()
+    } else {
+        sheets_of(args, &geometry, &chosen.receivers, !origins.is_empty(), output.as_ref())?
     };
-    if let Some(unmapped) = sheets.unmapped.first() {
-        return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
-    }
-    check_size(args, &sheets)?;
     let options = SessionOptions { threads: args.run.threads };
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
-    let apart = chosen.objects.into_iter().map(|instances| {
+    let apart = chosen.objects.iter().cloned().map(|instances| {
         let session = session.only(&instances)?;
         Ok(Apart { instances, session })
     });
     let apart = apart.collect::<Result<Vec<Apart>, conray::Error>>()?;
+    let vertices: Vec<&[u32]> =
+        shown.iter().map(|&mesh| sources.get(mesh as usize).map_or(&[][..], Vec::as_slice)).collect();
+    if for_vertices {
+        let of = vertex::Of {
+            name: &name,
+            args,
+            settings: &settings,
+            session: &session,
+            apart: &apart,
+            receivers: &chosen.receivers,
+            origins: &origins,
+            vertices: &vertices,
+        };
+        return vertex::run(&of, output, interrupted, &reporter);
+    }
     // Images of other formats than glTF have their first row at v = 1.
     let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample, args.facing());
     let structures =
@@ -103,8 +110,6 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
             format!("{}: surfaces lie over each other on {overlap:.0} texels of its map", sheet.name);
         reporter.event(Event::Warning { message });
     }
-    let vertices: Vec<&[u32]> =
-        shown.iter().map(|&mesh| sources.get(mesh as usize).map_or(&[][..], Vec::as_slice)).collect();
     let files = match output {
         Some(output) => {
             output.write(args, &sheets, &baked.maps, (&origins, &vertices), &session, &reporter)?
@@ -134,6 +139,30 @@ fn definite(distance: Distance, in_world: f32) -> Distance {
         Distance::Auto if in_world > 0.0 && in_world.is_finite() => Distance::World(in_world),
         other => other,
     }
+}
+
+/// The maps of what is baked.
+fn sheets_of(
+    args: &BakeArgs,
+    geometry: &Geometry,
+    receivers: &[u32],
+    is_gltf: bool,
+    output: Option<&Output>,
+) -> Result<Sheets, Failure> {
+    let (width, height) = args.size;
+    let size = MapSize { width, height };
+    // New UVs are of use only where they are written too.
+    let is_written = is_gltf && matches!(output, Some(Output::Model(_)) | None);
+    let unwrap = if is_written && !args.no_unwrap { Unwrap::Yes } else { Unwrap::No };
+    let sheets = match args.shared {
+        true => Sheets::shared(geometry, receivers, size, unwrap),
+        false => Sheets::of(geometry, receivers, size, unwrap),
+    };
+    if let Some(unmapped) = sheets.unmapped.first() {
+        return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
+    }
+    check_size(args, &sheets)?;
+    Ok(sheets)
 }
 
 fn check_size(args: &BakeArgs, sheets: &Sheets) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! What a bake writes.
 
 use crate::{
-    args::BakeArgs,
+    args::{BakeArgs, ToArg},
     failure::Failure,
     report::{self, Reporter},
 };
@@ -21,6 +21,10 @@ pub(super) enum Output {
     Png,
     /// EXR files.
     Exr,
+    /// A PLY file with values at vertices.
+    Ply,
+    /// An OBJ file with values at vertices.
+    Obj,
 }
 
 impl Output {
@@ -38,6 +42,8 @@ impl Output {
             _ if is_input => Err(request("it is the model itself; choose another name".into())),
             "png" => Ok(Some(Self::Png)),
             "exr" => Ok(Some(Self::Exr)),
+            "ply" => Ok(Some(Self::Ply)),
+            "obj" => Ok(Some(Self::Obj)),
             "glb" | "gltf" if from == to => {
                 let input = |problem: String| Failure::Input(format!("{}: {problem}", model.display()));
                 let bytes = std::fs::read(model).map_err(|e| input(format!("cannot be read: {e}")))?;
@@ -48,9 +54,24 @@ impl Output {
                 Ok(Some(Self::Model(Document::open(&bytes).map_err(|e| input(e.to_string()))?)))
             }
             _ if matches!(&from[..], "glb" | "gltf") => {
-                Err(request(format!("must end in .{from} as the model does, or in .png or .exr")))
+                Err(request(format!("must end in .{from} as the model does, or in .png, .exr, .ply or .obj")))
             }
-            _ => Err(request("must end in .png or .exr: only glTF is written back".into())),
+            _ => Err(request("must end in .png, .exr, .ply or .obj: only glTF is written back".into())),
+        }
+    }
+
+    /// True where the values go to vertices, by what is asked for and what can hold them.
+    pub(super) fn is_for_vertices(output: Option<&Self>, args: &BakeArgs) -> Result<bool, Failure> {
+        let refuse = |what: &str| Err(Failure::Request(format!("--to: {what}")));
+        match (args.to, output) {
+            (Some(ToArg::Vertex), Some(Self::Png | Self::Exr)) => {
+                refuse("images hold no vertices; choose .glb, .gltf, .ply or .obj for -o")
+            }
+            (Some(ToArg::Texture), Some(Self::Ply | Self::Obj)) => {
+                refuse("no maps go into .ply and .obj; choose .png, .exr or a glTF for -o")
+            }
+            (to, Some(Self::Ply | Self::Obj)) => Ok(to != Some(ToArg::Texture)),
+            (to, _) => Ok(to == Some(ToArg::Vertex)),
         }
     }
 
@@ -94,6 +115,8 @@ impl Output {
                 }
                 files.extend(written.files);
             }
+            // Refused before: these hold no maps.
+            Self::Ply | Self::Obj => {}
             Self::Png | Self::Exr => {
                 let ending = if matches!(self, Self::Png) { "png" } else { "exr" };
                 for (name, map) in names.iter().zip(maps) {

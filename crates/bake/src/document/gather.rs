@@ -43,7 +43,7 @@ impl Buffers {
 }
 
 /// Elements of an accessor, byte by byte.
-struct Elements<'a> {
+pub(super) struct Elements<'a> {
     /// Of the view from the first element on; `None` where all are zero.
     bytes: Option<&'a [u8]>,
     stride: usize,
@@ -53,7 +53,7 @@ struct Elements<'a> {
 }
 
 impl Elements<'_> {
-    fn get(&self, index: u32) -> Option<Vec<u8>> {
+    pub(super) fn get(&self, index: u32) -> Option<Vec<u8>> {
         if let Some(bytes) = self.sparse.get(&u64::from(index)) {
             return Some(bytes.to_vec());
         }
@@ -125,7 +125,7 @@ impl Document {
     }
 
     /// `None` for an accessor that cannot be read.
-    fn elements<'a>(&self, accessor: usize, buffers: &'a Buffers) -> Option<Elements<'a>> {
+    pub(super) fn elements<'a>(&self, accessor: usize, buffers: &'a Buffers) -> Option<Elements<'a>> {
         let accessor = self.element("accessors", accessor).ok()?;
         let component = component_bytes(number(accessor, "componentType")?)?;
         let size = component * components(accessor)?;

@@ -7,6 +7,7 @@
 
 mod add;
 mod bounds;
+mod colours;
 mod container;
 mod files;
 mod gather;

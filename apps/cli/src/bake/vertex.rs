@@ -1,0 +1,143 @@
+//! `conray bake` to vertices.
+
+use super::{job, output::Output};
+use crate::{
+    args::BakeArgs,
+    explain,
+    failure::Failure,
+    render::{observed, stop_if},
+    report::{self, Reporter},
+};
+use conray::{AoSettings, Event, Session, Work, scene::Origin};
+use conray_bake::{
+    Apart, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
+    write_vertex_model,
+};
+use serde_json::json;
+use std::{path::PathBuf, sync::atomic::AtomicBool};
+
+/// What is baked.
+pub(super) struct Of<'a> {
+    pub(super) name: &'a str,
+    pub(super) args: &'a BakeArgs,
+    pub(super) settings: &'a AoSettings,
+    pub(super) session: &'a Session,
+    pub(super) apart: &'a [Apart],
+    pub(super) receivers: &'a [u32],
+    pub(super) origins: &'a [Origin],
+    pub(super) vertices: &'a [&'a [u32]],
+}
+
+pub(super) fn run(
+    of: &Of<'_>,
+    output: Option<Output>,
+    interrupted: &AtomicBool,
+    reporter: &Reporter,
+) -> Result<(), Failure> {
+    let Of { name, args, settings, session, apart, .. } = *of;
+    let slots = Slots::of(session, of.receivers, &objects(session.geometry(), of.origins));
+    let facing = args.facing();
+    let target = VertexTarget::new(session, slots, &args.vertex.settings(), facing)?;
+    if args.dry_run {
+        return plan(of, &target, reporter);
+    }
+    stop_if(interrupted, "before anything was estimated; no file was written")?;
+    let mut baked = observed(interrupted, reporter, |control| {
+        Ok(bake_vertices(session, apart, &target, facing, session.plan().budget, control)?)
+    })?;
+    let Some(work) = Work::of_parts(&baked.parts).filter(|work| work.points > 0) else {
+        return Err(Failure::Input(format!("{}: no surface has an area", args.model().display())));
+    };
+    let visibility = &baked.values.visibility;
+    let mean = visibility.iter().map(|&value| f64::from(value)).sum::<f64>() / visibility.len() as f64;
+    let look = args.look();
+    baked.values.visibility.iter_mut().for_each(|value| *value = look.of(*value));
+    let files = write(of, &target, &baked, output, reporter)?;
+    let missed = explain::missed(session.plan(), &work);
+    let mut lines = vec![
+        format!(
+            "{name}: {} triangles, {} values, {} points, AO distance {}",
+            session.geometry().triangle_count(),
+            baked.values.visibility.len(),
+            work.points,
+            session.plan().distance
+        ),
+        format!(
+            "mean visibility {mean:.4}, expected error of a point {:.4}, values off the surface by {:.4}",
+            work.expected_rmse, baked.values.misfit
+        ),
+    ];
+    if baked.buried > 0 {
+        lines.push(format!("{} points lie inside other geometry and count for nothing", baked.buried));
+    }
+    lines.extend(report::work_lines(&args.ao.settings(), session.report(), &work));
+    let shown: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    lines.push(format!("wrote {}", shown.join(", ")));
+    lines.extend(missed.clone());
+    if args.ao.explain {
+        baked.parts.iter().for_each(|part| lines.extend(explain::lines(session.plan(), part)));
+    }
+    let mut facts = report::work_json(settings, session.report(), &work);
+    facts["model"] = json!(name);
+    facts["values"] = json!(baked.values.visibility.len());
+    facts["misfit"] = json!(baked.values.misfit);
+    facts["buried"] = json!(baked.buried);
+    facts["mean_visibility"] = json!(mean);
+    facts["files"] = json!(files);
+    facts["job"] = job::given();
+    reporter.summary(&lines, facts);
+    stop_if(interrupted, "what was done by then has been written")?;
+    explain::check(args.ao.strict, missed)
+}
+
+fn write(
+    of: &Of<'_>,
+    target: &VertexTarget,
+    baked: &VertexBake,
+    output: Option<Output>,
+    reporter: &Reporter,
+) -> Result<Vec<PathBuf>, Failure> {
+    let (to, geometry, slots) = (of.args.output(), of.session.geometry(), target.slots());
+    match output {
+        Some(Output::Model(document)) => {
+            let origins = Origins { instances: of.origins, vertices: of.vertices };
+            let attribute = of.args.vertex.attribute();
+            let written = write_vertex_model(
+                &to,
+                &of.args.model(),
+                document,
+                &origins,
+                slots,
+                &baked.values,
+                attribute,
+            )
+            .map_err(|e| Failure::Work(format!("{}: {e}", to.display())))?;
+            for name in written.not_copied {
+                let message = format!("{name}, which the model names, is not copied; copy it by hand");
+                reporter.event(Event::Warning { message });
+            }
+            return Ok(written.files);
+        }
+        Some(Output::Ply) => write_ply(&to, geometry, slots, &baked.values)?,
+        Some(Output::Obj) => write_obj(&to, geometry, slots, &baked.values)?,
+        Some(Output::Png | Output::Exr) | None => return Ok(Vec::new()),
+    }
+    Ok(vec![to])
+}
+
+/// `--dry-run`: how much there is to do.
+fn plan(of: &Of<'_>, target: &VertexTarget, reporter: &Reporter) -> Result<(), Failure> {
+    use conray::target::Target;
+    /// Bytes of a point while it is estimated, and of what is built of it.
+    const BYTES_PER_POINT: u64 = 340;
+    let (points, values) = (target.points().len(), target.slots().count());
+    let memory = of.session.memory_bytes() + points as u64 * BYTES_PER_POINT;
+    let lines = [
+        format!("{}: {values} values, {points} points, AO distance {}", of.name, of.session.plan().distance),
+        format!("memory: about {}", report::bytes(memory)),
+        "nothing was written".into(),
+    ];
+    let facts = json!({ "model": of.name, "values": values, "points": points, "memory_bytes": memory });
+    reporter.summary(&lines, facts);
+    Ok(())
+}
