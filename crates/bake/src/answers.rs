@@ -37,8 +37,11 @@ impl Answers {
         let Outcome { estimates, work } = session.run_target_within(budget, target, control)?;
         let points = target.points();
         // Who looks into a body lies inside it.
-        let inside =
-            if facing.inside { vec![false; points.len()] } else { inside(session, points, &estimates) };
+        let inside = if facing.inside {
+            vec![false; points.len()]
+        } else {
+            inside(session, points, &estimates, target.layout())
+        };
         Ok(Self { estimates, inside, works: vec![work] })
     }
 

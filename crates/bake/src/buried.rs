@@ -4,7 +4,9 @@
 //! are dark. What they show is no light that anybody sees: they are to take the values of their neighbours outside.
 
 use conray::Session;
-use conray_core::{Estimate, Frame, Geometry, Opacity, Ray, SurfacePoint, cosine_hemisphere, owen_sobol_2d};
+use conray_core::{
+    Estimate, Frame, Geometry, Layout, Opacity, Ray, SurfacePoint, cosine_hemisphere, owen_sobol_2d,
+};
 use conray_target::{AtlasMap, AtlasTarget, Target, TargetError, Texel};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -18,6 +20,9 @@ const RAYS: u32 = 24;
 const MOST_OTHERS: u32 = 3;
 /// Rays that decide it where all of them meet back faces.
 const CLEARLY_IN: u32 = 16;
+/// Neighbours lie on the same surface if they are no farther than so many texels, and their normals have at least this cosine.
+const NEAR: f32 = 4.0;
+const LIKE: f32 = 0.9;
 /// Where more of a surface than this lies inside, it is not buried: what is about it is turned inside out.
 const MOST_BURIED: f64 = 0.5;
 
@@ -102,13 +107,90 @@ pub(crate) fn mostly_outside(inside: &mut [bool], instances: &[u32]) {
 }
 
 /// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
-pub fn inside(session: &Session, points: &[SurfacePoint], estimates: &[Estimate]) -> Vec<bool> {
+///
+/// In an image only one point in four is asked about by rays; others are what their neighbours are where these are of one mind.
+pub fn inside(
+    session: &Session,
+    points: &[SurfacePoint],
+    estimates: &[Estimate],
+    layout: Layout,
+) -> Vec<bool> {
     let solid = solid(session.geometry());
-    let one = |(point, estimate): (&SurfacePoint, &Estimate)| {
+    let by_rays = |index: usize| {
+        let (point, estimate) = (&points[index], &estimates[index]);
         let closed = !estimate.is_pending() && estimate.visibility <= MOST_OPEN;
-        closed && is_inside(session, &solid, point)
+        closed.then(|| is_inside(session, &solid, point))
     };
-    session.install(|| points.par_iter().zip(estimates).with_min_len(64).map(one).collect())
+    let found: Vec<Option<bool>> = session.install(|| match layout {
+        Layout::Scattered => (0..points.len()).into_par_iter().with_min_len(64).map(by_rays).collect(),
+        Layout::Image { first, width, height } => {
+            let grid = Grid::of(points, first, [width, height]);
+            let on_lattice = |index: usize| {
+                let [x, y] = grid.place(&points[index]);
+                (x % 2, y % 2) == (0, 0)
+            };
+            let lattice = (0..points.len()).into_par_iter().with_min_len(64);
+            let lattice: Vec<Option<bool>> =
+                lattice.map(|index| on_lattice(index).then(|| by_rays(index)).flatten()).collect();
+            let rest = (0..points.len()).into_par_iter().with_min_len(64);
+            rest.map(|index| match on_lattice(index) {
+                true => lattice[index],
+                false if estimates[index].visibility > MOST_OPEN => None,
+                false => grid.of_one_mind(points, index, &lattice).or_else(|| by_rays(index)),
+            })
+            .collect()
+        }
+    });
+    found.into_iter().map(|inside| inside == Some(true)).collect()
+}
+
+/// Where points stand in an image.
+struct Grid {
+    first: u32,
+    size: [u32; 2],
+    /// Index of the point of each pixel.
+    index: Vec<u32>,
+}
+
+impl Grid {
+    fn of(points: &[SurfacePoint], first: u32, size: [u32; 2]) -> Self {
+        let mut index = vec![u32::MAX; size[0] as usize * size[1] as usize];
+        for (k, point) in (0..).zip(points) {
+            index[(point.id - first) as usize] = k;
+        }
+        Self { first, size, index }
+    }
+
+    fn place(&self, point: &SurfacePoint) -> [u32; 2] {
+        let pixel = point.id - self.first;
+        [pixel % self.size[0], pixel / self.size[0]]
+    }
+
+    /// What the neighbours on the lattice of even pixels say where all do that lie on the same surface, and two at least.
+    fn of_one_mind(&self, points: &[SurfacePoint], index: usize, lattice: &[Option<bool>]) -> Option<bool> {
+        let point = &points[index];
+        let about = self.place(point).map(|at| if at % 2 == 0 { [at, u32::MAX] } else { [at - 1, at + 1] });
+        let (mut said, mut count) = (None, 0);
+        for (x, y) in about[0].iter().flat_map(|&x| about[1].iter().map(move |&y| (x, y))) {
+            if x >= self.size[0] || y >= self.size[1] {
+                continue;
+            }
+            let near = self.index[y as usize * self.size[0] as usize + x as usize] as usize;
+            let Some(other) = points.get(near) else { continue };
+            if other.position.distance(point.position) > NEAR * point.footprint
+                || other.geometric_normal.dot(point.geometric_normal) < LIKE
+            {
+                continue;
+            }
+            // One that was not asked says nothing.
+            let inside = lattice[near]?;
+            if said.is_some_and(|said| said != inside) {
+                return None;
+            }
+            (said, count) = (Some(inside), count + 1);
+        }
+        said.filter(|_| count >= 2)
+    }
 }
 
 /// For each mesh whether its back faces are the inside of something.
@@ -196,7 +278,7 @@ mod tests {
             });
             let estimates = session.estimate(target.points()).unwrap();
             target.resolve(&estimates).unwrap().iter().for_each(|texel| maps[0].put(texel));
-            let inside = inside(session, target.points(), &estimates);
+            let inside = inside(session, target.points(), &estimates, target.layout());
             buried.add(&target, &estimates, &inside, &[0]).unwrap();
         }
         let (count, _) = buried.take_from(&mut maps);
@@ -233,7 +315,7 @@ mod tests {
             .map(|id| SurfacePoint::new(Vec3::new(0.004 * id as f32, 0.0, 0.1), Vec3::Y).with_id(id))
             .collect();
         let estimates = session.estimate(&points).unwrap();
-        let found = inside(&session, &points, &estimates);
+        let found = inside(&session, &points, &estimates, Layout::Scattered);
         assert!(found.iter().all(|inside| *inside), "each by itself lies inside");
         let texel = Texel { visibility: f32::NAN, ..Texel::UNKNOWN };
         let mut counts = vec![[0; 2]; session.geometry().instances().len()];
