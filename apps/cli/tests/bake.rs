@@ -2,9 +2,8 @@
 
 mod support;
 
-use std::{fs, path::Path, process::Output};
-use support::{command, err, folder, out};
-use tempfile::TempDir;
+use std::{fs, path::Path};
+use support::{bake, command, err, folder, glb, out, refused};
 
 /// A corner of three squares, laid out side by side, each square two triangles.
 fn corner(folder: &Path) {
@@ -22,38 +21,6 @@ fn corner(folder: &Path) {
         faces += &format!("f {} {} {} {}\n", corner(0), corner(1), corner(2), corner(3));
     }
     fs::write(folder.join("corner.obj"), text + &faces).unwrap();
-}
-
-/// A binary glTF of one triangle, with UVs or without.
-fn glb(folder: &Path, name: &str, attributes: &str) {
-    let numbers: [f32; 15] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0.1, 0.1, 0.9, 0.1, 0.1, 0.9];
-    let bin: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-    let json = format!(
-        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"name":"sail"}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attributes}}}}}]}}],"extras":{{"kept":1e-3}},
-        "buffers":[{{"byteLength":60}}],"bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":24}}],
-        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
-        {{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}}]}}"#
-    );
-    let json = format!("{json:<width$}", width = json.len().next_multiple_of(4));
-    let mut file = b"glTF\x02\0\0\0".to_vec();
-    file.extend(((12 + 8 + json.len() + 8 + bin.len()) as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json.as_bytes()), (b"BIN\0", &bin[..])] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    fs::write(folder.join(name), file).unwrap();
-}
-
-fn bake(folder: &TempDir, words: &[&str]) -> Output {
-    command(folder, &["bake"]).args(words).output().unwrap()
-}
-
-fn refused(folder: &TempDir, words: &[&str], code: i32, message: &str) {
-    let output = bake(folder, words);
-    assert_eq!(output.status.code(), Some(code), "{words:?}: {}{}", out(&output), err(&output));
-    assert!(err(&output).contains(message), "{words:?}: {}", err(&output));
 }
 
 #[test]

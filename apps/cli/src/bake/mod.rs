@@ -151,8 +151,8 @@ fn sheets_of(
 ) -> Result<Sheets, Failure> {
     let (width, height) = args.size;
     let size = MapSize { width, height };
-    // New UVs are of use only where they are written too.
-    let is_written = is_gltf && matches!(output, Some(Output::Model(_)) | None);
+    // New UVs are of use only where they are written too: in the glTF, or in an OBJ beside the maps.
+    let is_written = !is_gltf || matches!(output, Some(Output::Model(_)) | None);
     let unwrap = if is_written && !args.no_unwrap { Unwrap::Yes } else { Unwrap::No };
     let sheets = match args.shared {
         true => Sheets::shared(geometry, receivers, size, unwrap),

@@ -10,7 +10,10 @@ use conray::{
     scene::{Format, Origin},
     target::{self, AtlasMap, PngDepth},
 };
-use conray_bake::{Document, Origins, PngOptions, Sheets, bent_png, file_names, png, write_model};
+use conray_bake::{
+    Document, Origins, PngOptions, Sheets, Uvs, bent_png, file_names, png, write_mapped_obj, write_model,
+    write_mtl,
+};
 use std::path::{Path, PathBuf};
 
 /// What the output is.
@@ -137,8 +140,37 @@ impl Output {
                     }
                     files.push(path);
                 }
+                if sheets.sheets.iter().any(|sheet| matches!(sheet.uvs, Uvs::New { .. })) {
+                    files.extend(mapped_model(
+                        args,
+                        sheets,
+                        &names,
+                        &files[files.len() - maps.len()..],
+                        session,
+                    )?);
+                }
             }
         }
         Ok(files)
     }
+}
+
+/// The model with the UVs of its maps, where some of them are new: an OBJ and its materials beside the maps.
+fn mapped_model(
+    args: &BakeArgs,
+    sheets: &Sheets,
+    names: &[String],
+    images: &[PathBuf],
+    session: &Session,
+) -> Result<[PathBuf; 2], Failure> {
+    let to = args.output();
+    let stem = to.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let beside = |ending: &str| to.with_file_name(format!("{stem}-mapped.{ending}"));
+    let (model, library) = (beside("obj"), beside("mtl"));
+    let name =
+        |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let images: Vec<String> = images.iter().map(name).collect();
+    write_mtl(&library, names, &images)?;
+    write_mapped_obj(&model, session.geometry(), sheets, names, &name(&library), true)?;
+    Ok([library, model])
 }
