@@ -143,6 +143,33 @@ fn less_memory_gives_the_same_map_within_its_error() {
 }
 
 #[test]
+fn a_preview_ends_as_the_map() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let words = ["pair.obj", "-o", "m.png", "--size", "64", "--rays", "64", "--distance", "4"];
+    let output = bake(&dir, &[&words[..], &["--preview", "p.png"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(fs::read(dir.path().join("p.png")).unwrap(), fs::read(dir.path().join("m.png")).unwrap());
+    refused(&dir, &[&words[..], &["--preview", "m.png"]].concat(), 2, "is the output too");
+    refused(&dir, &[&words[..], &["--preview", "p.jpg"]].concat(), 2, "must end in .png");
+    refused(&dir, &[&words[..], &["--preview", "nowhere/p.png"]].concat(), 1, "nowhere");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_preview_is_there_before_the_work_ends() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let words =
+        ["pair.obj", "-o", "m.png", "--size", "64", "--rays", "1000000", "--method", "rays", "--json"];
+    let command = command(&dir, &[&["bake"], &words[..], &["--preview", "p.png"]].concat());
+    let output = support::interrupted(command, r#""event":"progress""#);
+    assert_eq!(output.status.code(), Some(1), "{}", err(&output));
+    assert!(err(&output).contains("interrupted"), "{}", err(&output));
+    assert!(dir.path().join("p.png").exists() && dir.path().join("m.png").exists());
+}
+
+#[test]
 fn a_job_is_replayed_to_the_bit() {
     let dir = folder();
     floor_and_lid(dir.path());

@@ -36,7 +36,7 @@ pub use document::{Buffers, Document, DocumentError, Files, Kind};
 pub use mapped_obj::{write_mapped_obj, write_mtl};
 pub use memory::Memory;
 pub use places::{Facing, Places};
-pub use run::{Baked, MapOptions, PORTION, bake_maps};
+pub use run::{Baked, MapOptions, PORTION, bake_maps, bake_maps_told};
 pub use scope::{Chosen, Ground, Scope, ScopeError};
 pub use sheets::{Sheet, Sheets, Unmapped, Unwrap, UvFault, Uvs};
 pub use unwrap::NewUvs;

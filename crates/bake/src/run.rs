@@ -59,6 +59,22 @@ pub fn bake_maps(
     options: &MapOptions,
     control: Control<'_>,
 ) -> Result<Baked, Error> {
+    bake_maps_told(session, apart, places, budget, options, control, &mut |_| {})
+}
+
+/// The same, telling the maps after each portion but the last: texels of those to come have no value yet.
+///
+/// # Errors
+/// As of [`bake_maps`].
+pub fn bake_maps_told(
+    session: &Session,
+    apart: &[Apart],
+    places: &Places,
+    budget: Budget,
+    options: &MapOptions,
+    control: Control<'_>,
+    told: &mut dyn FnMut(&[AtlasMap]),
+) -> Result<Baked, Error> {
     let portions = match &options.only {
         Some(only) => vec![only.clone()],
         None => places.atlas.portions(options.portion)?,
@@ -68,7 +84,7 @@ pub fn bake_maps(
     let mut buried = Buried::new(session.geometry());
     let mut parts: Vec<Work> = Vec::new();
     let mut shares = Shares::of(places, &portions, budget);
-    for portion in &portions {
+    for (k, portion) in portions.iter().enumerate() {
         if control.is_cancelled() {
             break;
         }
@@ -93,6 +109,9 @@ pub fn bake_maps(
         buried.add(&target, &estimates, &inside, &places.instances)?;
         for texel in target.resolve(&estimates)? {
             maps[texel.map as usize].put(&texel);
+        }
+        if k + 1 < portions.len() {
+            told(&maps);
         }
     }
     let (buried, taken) = buried.take_from(&mut maps);

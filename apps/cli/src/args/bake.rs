@@ -39,6 +39,9 @@ pub(crate) struct BakeArgs {
     /// Copies of a mesh share one map, each occluded by its own node alone
     #[arg(long)]
     pub(crate) shared: bool,
+    /// Writes a picture of few rays first, .png, a map for each material, and refines it with each portion of the maps that is done
+    #[arg(long, value_name = "FILE")]
+    pub(crate) preview: Option<PathBuf>,
     /// Prints what would be done - maps, texels, memory, time - and writes nothing
     #[arg(long)]
     pub(crate) dry_run: bool,

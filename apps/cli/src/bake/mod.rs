@@ -3,6 +3,7 @@
 mod job;
 mod output;
 mod plan;
+mod preview;
 mod summary;
 mod vertex;
 
@@ -19,9 +20,9 @@ use crate::{
 use conray::{
     AoSettings, Distance, Event, Geometry, Session, SessionOptions, Work,
     scene::{self, Scene},
-    target::{self, MapSize},
+    target::{self, AtlasMap, MapSize},
 };
-use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
+use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps_told};
 use output::Output;
 
 /// Texels of all maps together: more are beyond the numbers that count them, and any memory.
@@ -39,6 +40,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     if output.is_some() {
         target::check_writable(&to)?;
     }
+    preview::check(args)?;
     let mut scene = scene::load(&model, &scene::Limits::default())?;
     reporter.scene_warnings(&scene);
     // What is chosen or added does not change the distance.
@@ -98,9 +100,18 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
         };
         return plan::print(&ready, &reporter);
     }
+    let mut preview = match &args.preview {
+        Some(path) => Some(preview::Preview::begin(path, &session, &apart, &places, &sheets, &map_options)?),
+        None => None,
+    };
     let baked = observed(interrupted, &reporter, |control| {
-        Ok(bake_maps(&session, &apart, &places, session.plan().budget, &map_options, control)?)
+        let budget = session.plan().budget;
+        let mut refine = |maps: &[AtlasMap]| preview.iter_mut().for_each(|preview| preview.refine(maps));
+        Ok(bake_maps_told(&session, &apart, &places, budget, &map_options, control, &mut refine)?)
     })?;
+    if let Some(preview) = preview {
+        preview.end(&baked.maps)?;
+    }
     let Some(work) = Work::of_parts(&baked.parts) else {
         return Err(Failure::Input(format!("{}: no surface reads a map", model.display())));
     };

@@ -1,0 +1,90 @@
+//! `--preview`: what a bake will look like, at once, refined while it goes on.
+
+use crate::{args::BakeArgs, failure::Failure};
+use conray::{
+    Budget, Control, Session,
+    target::{self, AtlasMap, PngDepth},
+};
+use conray_bake::{Apart, Look, MapOptions, Places, PngOptions, Sheets, bake_maps, file_names, png};
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// Rays a texel of the first picture.
+const FIRST_RAYS: u32 = 2;
+/// Pictures are written no oftener.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// Pictures that are being refined.
+pub(super) struct Preview {
+    paths: Vec<PathBuf>,
+    maps: Vec<AtlasMap>,
+    written: Instant,
+}
+
+/// Refuses a file that could not be written, before any work.
+pub(super) fn check(args: &BakeArgs) -> Result<(), Failure> {
+    let Some(path) = &args.preview else { return Ok(()) };
+    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if !is_png {
+        return Err(Failure::Request(format!("--preview {}: must end in .png", path.display())));
+    }
+    if *path == args.output() {
+        return Err(Failure::Request(format!("--preview {}: is the output too", path.display())));
+    }
+    Ok(target::check_writable(path)?)
+}
+
+impl Preview {
+    /// Writes the first pictures.
+    pub(super) fn begin(
+        path: &Path,
+        session: &Session,
+        apart: &[Apart],
+        places: &Places,
+        sheets: &Sheets,
+        options: &MapOptions,
+    ) -> Result<Self, Failure> {
+        let maps =
+            bake_maps(session, apart, places, Budget::rays(FIRST_RAYS), options, Control::none())?.maps;
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = |name: &String| match maps.len() {
+            1 => path.to_path_buf(),
+            _ => path.with_file_name(format!("{stem}-{name}.png")),
+        };
+        let paths = file_names(sheets).iter().map(name).collect();
+        let preview = Self { paths, maps, written: Instant::now() };
+        preview.write()?;
+        Ok(preview)
+    }
+
+    /// Takes over what is done of the maps; the next picture tells when the last could not be written.
+    pub(super) fn refine(&mut self, done: &[AtlasMap]) {
+        for (map, done) in self.maps.iter_mut().zip(done) {
+            for (value, new) in map.visibility.iter_mut().zip(&done.visibility) {
+                if !new.is_nan() {
+                    *value = *new;
+                }
+            }
+        }
+        if self.written.elapsed() >= PAUSE {
+            // A picture that is missed is followed by another, and the last one says what is wrong.
+            _ = self.write();
+            self.written = Instant::now();
+        }
+    }
+
+    /// Writes the finished maps.
+    pub(super) fn end(self, maps: &[AtlasMap]) -> Result<(), Failure> {
+        Self { maps: maps.to_vec(), ..self }.write()
+    }
+
+    fn write(&self) -> Result<(), Failure> {
+        for (path, map) in self.paths.iter().zip(&self.maps) {
+            let bytes = png(map, PngOptions { depth: PngDepth::Eight, look: Look::default() });
+            target::write_atomically(path, |out| out.write_all(&bytes))?;
+        }
+        Ok(())
+    }
+}
