@@ -19,6 +19,9 @@ const RASTER: u32 = 1024;
 /// Share of the covered area that may be covered twice: less is the rounding of packers.
 const MOST_OVERLAP: f64 = 0.01;
 
+/// Surfaces of one material get maps of their own if they are no more than this and new UVs can be had; else they are laid out together.
+const MOST_OWN: usize = 4;
+
 /// A map, and what reads it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
@@ -187,8 +190,12 @@ impl Sheets {
         let each: Vec<Result<usize, UvFault>> =
             group.par_iter().map(|&instance| usable(geometry, &[instance])).collect();
         let mut lacking: Vec<(u32, UvFault)> = Vec::new();
+        let own = each.iter().filter(|found| found.is_ok()).count();
+        let too_many = unwrap == Unwrap::Yes && own > MOST_OWN;
         for (&instance, found) in group.iter().zip(each) {
             match found {
+                // What is wrong with it is that others lie over it.
+                Ok(_) if too_many => lacking.push((instance, UvFault::Overlap { share: 1.0 })),
                 Ok(uv_set) => self.sheets.push(sheet(format!("{name}-{instance}"), uv_set, vec![instance])),
                 Err(fault) => lacking.push((instance, fault)),
             }
@@ -343,6 +350,16 @@ mod tests {
         let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
         assert_eq!(names(&found), [("wood-0", 0, &[0][..]), ("wood-1", 0, &[1])]);
         assert_eq!(found.sheets[0].size, SIZE);
+    }
+
+    #[test]
+    fn many_surfaces_that_do_not_fit_together_are_laid_out_in_one_map() {
+        let size = MapSize { width: 64, height: 64 };
+        let (geometry, instances) = geometry(&[(&[LEFT], 0)], MOST_OWN + 1);
+        let found = Sheets::of(&geometry, &instances, size, Unwrap::Yes);
+        assert_eq!(names(&found), [("wood", 1, &[0, 1, 2, 3, 4][..])]);
+        assert_eq!(Sheets::of(&geometry, &instances, size, Unwrap::No).sheets.len(), 5);
+        assert_eq!(Sheets::of(&geometry, &instances[1..], size, Unwrap::Yes).sheets.len(), 4);
     }
 
     #[test]
