@@ -128,7 +128,7 @@ pub(crate) struct CompareArgs {
 }
 
 /// Options about how the program runs.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Running")]
 pub(crate) struct RunArgs {
     /// Threads to work on; 0 is one per core. Results do not depend on it

@@ -29,6 +29,17 @@ impl Failure {
     }
 }
 
+impl Failure {
+    /// Another message for a failure by the same fault.
+    pub(crate) fn with(self, message: String) -> Self {
+        match self {
+            Self::Work(_) => Self::Work(message),
+            Self::Request(_) => Self::Request(message),
+            Self::Input(_) => Self::Input(message),
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (Self::Work(message) | Self::Request(message) | Self::Input(message)) = self;

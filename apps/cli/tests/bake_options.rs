@@ -169,6 +169,69 @@ fn a_preview_is_there_before_the_work_ends() {
     assert!(dir.path().join("p.png").exists() && dir.path().join("m.png").exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn interrupted_and_resumed_bakes_give_the_bits_of_unbroken_ones() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let words = |out: &'static str, state: &'static [&str]| {
+        let all = [
+            "bake",
+            "pair.obj",
+            "-o",
+            out,
+            "--size",
+            "96",
+            "--rays",
+            "4096",
+            "--distance",
+            "4",
+            "--bits",
+            "16",
+            "--json",
+        ];
+        [&all[..], state].concat()
+    };
+    assert_eq!(command(&dir, &words("whole.png", &[])).output().unwrap().status.code(), Some(0));
+    let state = &["--state", "work", "--max-memory", "16M"];
+    let stopped = support::interrupted(command(&dir, &words("a.png", state)), r#""event":"progress""#);
+    assert_eq!(stopped.status.code(), Some(1), "{}", err(&stopped));
+    assert!(fs::read_dir(dir.path().join("work")).unwrap().count() > 0);
+    let resumed = command(&dir, &words("a.png", state)).output().unwrap();
+    assert_eq!(resumed.status.code(), Some(0), "{}", err(&resumed));
+    let unbroken = command(&dir, &words("b.png", &["--max-memory", "16M"])).output().unwrap();
+    assert_eq!(unbroken.status.code(), Some(0), "{}", err(&unbroken));
+    let bytes = |name: &str| fs::read(dir.path().join(name)).unwrap();
+    assert_eq!(bytes("a.png"), bytes("b.png"));
+    let other =
+        ["pair.obj", "-o", "c.png", "--size", "96", "--distance", "3", "--rays", "64", "--state", "work"];
+    refused(&dir, &other, 2, "--state");
+    refused(&dir, &[&other[..], &["--self-only"]].concat(), 2, "stand apart");
+    refused(&dir, &[&other[..], &["--method", "rays"]].concat(), 2, "needs --method hybrid");
+    refused(&dir, &["pair.obj", "-o", "v.ply", "--state", "work"], 2, "not for vertices");
+}
+
+#[test]
+fn several_models_go_into_a_folder_and_one_that_fails_stops_no_other() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    glb(dir.path(), "sail.glb", r#","TEXCOORD_0":1"#);
+    fs::write(dir.path().join("broken.glb"), b"no model").unwrap();
+    fs::create_dir(dir.path().join("out")).unwrap();
+    let common = ["-o", "out", "--size", "32", "--rays", "16"];
+    let output = bake(&dir, &[&["pair.obj", "sail.glb"], &common[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(dir.path().join("out/pair.png").exists() && dir.path().join("out/sail.glb").exists());
+    fs::remove_file(dir.path().join("out/sail.glb")).unwrap();
+    let output = bake(&dir, &[&["broken.glb", "sail.glb"], &common[..]].concat());
+    assert_eq!(output.status.code(), Some(3), "{}", err(&output));
+    let told = err(&output);
+    assert!(told.contains("broken.glb") && told.contains("1 of 2 models were not baked"), "{told}");
+    assert!(dir.path().join("out/sail.glb").exists());
+    refused(&dir, &["pair.obj", "sail.glb", "-o", "nowhere"], 2, "must be a folder that is there");
+    refused(&dir, &["sail.glb", "./sail.glb", "-o", "out"], 2, "two of the models would both be");
+}
+
 #[test]
 fn a_job_is_replayed_to_the_bit() {
     let dir = folder();

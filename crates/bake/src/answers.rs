@@ -1,10 +1,14 @@
 //! What the points of a portion see: all together, or object by object where each is occluded by itself alone.
 
 use crate::{Facing, inside};
-use conray::{Budget, Control, Error, Outcome, PROGRESS_UNITS, Session, Work};
+use conray::{AoPlan, Budget, Control, Error, Outcome, PROGRESS_UNITS, Session, Work};
 use conray_core::{Estimate, Layout, SurfacePoint};
 use conray_target::{Target, TargetError};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::{
+    path::Path,
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
 
 /// Points that fill less than one place in so many of a portion's image are taken as scattered: the image would be work for nothing.
 const SPARSE: u64 = 16;
@@ -35,14 +39,44 @@ impl Answers {
         facing: Facing,
     ) -> Result<Self, Error> {
         let Outcome { estimates, work } = session.run_target_within(budget, target, control)?;
+        Ok(Self::with_inside(session, target, estimates, work, facing))
+    }
+
+    /// The same by method `hybrid`, going on with what a file keeps, where there is one, and keeping the work there at the end and when it is stopped: in the end
+    /// the bits are those of unbroken work.
+    pub(crate) fn kept<T: Target>(
+        session: &Session,
+        target: &T,
+        budget: Budget,
+        control: Control<'_>,
+        facing: Facing,
+        path: &Path,
+    ) -> Result<Self, Error> {
+        let plan = AoPlan { budget, ..session.plan().clone() };
+        let Some(begun) = session.hybrid(&plan, target) else {
+            return Self::of(session, target, budget, control, facing);
+        };
+        let (start, points) = (Instant::now(), target.points());
+        let mut hybrid = session.load(begun, &plan, points, path)?;
+        let Outcome { estimates, work } = session.run_hybrid(&mut hybrid, budget, points, start, control);
+        session.save(&hybrid, &plan, points, path)?;
+        Ok(Self::with_inside(session, target, estimates, work, facing))
+    }
+
+    fn with_inside<T: Target>(
+        session: &Session,
+        target: &T,
+        estimates: Vec<Estimate>,
+        work: Work,
+        facing: Facing,
+    ) -> Self {
         let points = target.points();
         // Who looks into a body lies inside it.
-        let inside = if facing.inside {
-            vec![false; points.len()]
-        } else {
-            inside(session, points, &estimates, target.layout())
+        let inside = match facing.inside {
+            true => vec![false; points.len()],
+            false => inside(session, points, &estimates, target.layout()),
         };
-        Ok(Self { estimates, inside, works: vec![work] })
+        Self { estimates, inside, works: vec![work] }
     }
 
     /// Of the points of each object among what occludes it; `instances` are those of the points. Points of no object stay pending.

@@ -1,9 +1,12 @@
 //! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
 
 use crate::{Apart, Buried, Places, answers::Answers};
-use conray::{Budget, Control, Error, PROGRESS_UNITS, Session, Work};
+use conray::{Budget, Control, Ended, Error, PROGRESS_UNITS, Session, Work};
 use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::{
+    path::PathBuf,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 /// How maps are made of estimates.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +15,8 @@ pub struct MapOptions {
     pub padding: Option<u32>,
     /// Places that are asked about together at most: what is known of them takes some 400 bytes each.
     pub portion: u64,
+    /// A folder in which the work on each portion is kept, to go on with; only for method `hybrid`, and not where objects stand apart.
+    pub state: Option<PathBuf>,
     /// Only this portion, to try; the maps then have no other values.
     pub only: Option<Portion>,
     /// Differences at a seam up to this count as agreement.
@@ -23,7 +28,7 @@ pub const PORTION: u64 = 1 << 22;
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { padding: None, portion: PORTION, only: None, seam_bound: 0.02 }
+        Self { padding: None, portion: PORTION, state: None, only: None, seam_bound: 0.02 }
     }
 }
 
@@ -94,7 +99,13 @@ pub fn bake_maps_told(
         }
         let answers = shares.next(control, |budget, control| {
             let answers = match apart {
-                [] => Answers::of(session, &target, budget, control, places.facing)?,
+                [] => match &options.state {
+                    None => Answers::of(session, &target, budget, control, places.facing)?,
+                    Some(folder) => {
+                        let path = folder.join(format!("portion-{k}.state"));
+                        Answers::kept(session, &target, budget, control, places.facing, &path)?
+                    }
+                },
                 _ => {
                     let of = |&surface: &u32| places.instances[surface as usize];
                     let instances: Vec<u32> = target.surfaces().iter().map(of).collect();
@@ -113,6 +124,12 @@ pub fn bake_maps_told(
         if k + 1 < portions.len() {
             told(&maps);
         }
+    }
+    if control.is_cancelled()
+        && let Some(last) = parts.last_mut()
+    {
+        // Also where it was stopped between portions.
+        (last.completed, last.ended) = (false, Ended::Cancelled);
     }
     let (buried, taken) = buried.take_from(&mut maps);
     let seams = session.install(|| {

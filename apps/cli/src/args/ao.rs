@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use conray::{Alpha, AoSettings, Distance, Epsilon, Falloff, Method, Sampling};
 
 /// Options of every command that estimates by one method.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Ambient occlusion")]
 pub(crate) struct AoArgs {
     /// How visibility is estimated: rays, cones, paper or hybrid
@@ -43,7 +43,7 @@ pub(crate) struct AoArgs {
 }
 
 /// Options that mean the same for every method.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Ambient occlusion")]
 pub(crate) struct SharedAoArgs {
     /// How far an occluder counts: world units, inf, or auto for a tenth of the diagonal of the scene's bounds

@@ -4,15 +4,18 @@ use super::{AoArgs, RunArgs, parse::parse_side_or_size};
 use clap::{Args, ValueEnum, builder::PossibleValuesParser};
 use conray::Backs;
 use conray_bake::{Facing, Ground, Look, Scope, VertexAttribute, VertexSettings};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct BakeArgs {
     /// The model: .glb, .gltf or .obj, for vertices .ply and .stl too. The UVs that it has are used where they do not lie over each other; a glTF gets new ones where they do
+    ///
+    /// Several are baked one after the other, into a folder.
     #[arg(required_unless_present = "options")]
-    model: Option<PathBuf>,
+    model: Vec<PathBuf>,
     /// What to write: a model like the one given (.glb, .gltf), its occlusion textures set; .png, a map for each material; .exr, the same as
-    /// 32-bit floats with expected errors and bent directions; or .ply or .obj, values at vertices
+    /// 32-bit floats with expected errors and bent directions; or .ply or .obj, values at vertices. Of several models the folder: each glTF as it is named there, of others
+    /// maps
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["options", "dry_run"])]
     output: Option<PathBuf>,
     /// What carries the values: textures, or the vertices; without it by the output: vertices for .ply and .obj
@@ -42,6 +45,10 @@ pub(crate) struct BakeArgs {
     /// Writes a picture of few rays first, .png, a map for each material, and refines it with each portion of the maps that is done
     #[arg(long, value_name = "FILE")]
     pub(crate) preview: Option<PathBuf>,
+    /// Keeps the work in this folder, at the end and when interrupted, and goes on with what is there; only method hybrid, and for maps. The same
+    /// --rays or --error then gives the same bits as without interruption, another goes on from there
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) state: Option<PathBuf>,
     /// Prints what would be done - maps, texels, memory, time - and writes nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
@@ -71,7 +78,7 @@ pub(crate) enum ToArg {
 }
 
 /// How values come to vertices.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Vertices")]
 pub(crate) struct VertexArgs {
     /// Where a glTF holds them: in COLOR_0 in place of its colours or times these, or in the attribute _AO
@@ -107,7 +114,7 @@ impl VertexArgs {
 }
 
 /// Who takes part.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Scope")]
 struct ScopeArgs {
     /// Only what has such a name occludes: of a node, a mesh or a material, * for any characters and ? for one; may repeat
@@ -134,7 +141,7 @@ enum BacksArg {
 }
 
 /// Where points look, and what is done for the looks.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Look")]
 struct LookArgs {
     /// Normal about which the hemisphere is taken: that of the shading or of the triangle
@@ -158,9 +165,21 @@ enum NormalArg {
 }
 
 impl BakeArgs {
+    /// One bake for each model; where there are several, into the folder that is the output.
+    pub(crate) fn each(&self) -> Vec<Self> {
+        let of = |model: &PathBuf| {
+            let is_gltf = matches!(extension(model).as_str(), "glb" | "gltf");
+            let name = model.file_name().map(PathBuf::from).unwrap_or_default();
+            let name = if is_gltf { name } else { name.with_extension("png") };
+            let output = self.output.as_ref().map(|folder| folder.join(name));
+            Self { model: vec![model.clone()], output, ..self.clone() }
+        };
+        if self.model.len() < 2 { vec![self.clone()] } else { self.model.iter().map(of).collect() }
+    }
+
     /// The model; empty where only options are asked for.
     pub(crate) fn model(&self) -> PathBuf {
-        self.model.clone().unwrap_or_default()
+        self.model.first().cloned().unwrap_or_default()
     }
 
     /// The output; empty where nothing is written.
@@ -190,6 +209,11 @@ impl BakeArgs {
     pub(crate) fn look(&self) -> Look {
         Look { intensity: self.look.intensity, power: self.look.power }
     }
+}
+
+/// What a name ends in, in small letters.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 fn parse_ground(text: &str) -> Result<Ground, String> {

@@ -18,12 +18,16 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Distance, Event, Geometry, Session, SessionOptions, Work,
+    AoSettings, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
 use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps_told};
 use output::Output;
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+};
 
 /// Texels of all maps together: more are beyond the numbers that count them, and any memory.
 const MAX_TEXELS: u64 = 1 << 30;
@@ -32,15 +36,59 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     if args.options.is_some() {
         return job::print_options();
     }
-    let settings = args.ao.checked()?;
+    args.ao.checked()?;
     let reporter = Reporter::new(args.run.json, args.run.quiet);
     let interrupted = interrupt::watch();
+    let each = args.each();
+    let [one] = &each[..] else { return run_several(&each, &args.output(), interrupted, &reporter) };
+    bake(one, interrupted, &reporter)
+}
+
+/// Bakes several models into a folder; what fails is told, and the others go on.
+fn run_several(
+    each: &[BakeArgs],
+    folder: &Path,
+    interrupted: &AtomicBool,
+    reporter: &Reporter,
+) -> Result<(), Failure> {
+    let request = |problem: &str| Err(Failure::Request(format!("-o {}: {problem}", folder.display())));
+    if each.iter().any(|args| args.state.is_some() || args.preview.is_some()) {
+        return Err(Failure::Request("--state and --preview: are for one model at a time".into()));
+    }
+    let is_dry = each.iter().any(|args| args.dry_run);
+    if !is_dry && !folder.is_dir() {
+        return request("must be a folder that is there, for several models");
+    }
+    let mut names: Vec<PathBuf> = each.iter().map(BakeArgs::output).collect();
+    names.sort();
+    if !is_dry && let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        return request(&format!("two of the models would both be {}", twice[0].display()));
+    }
+    let mut first = None;
+    let mut failed = 0;
+    for args in each {
+        if let Err(failure) = bake(args, interrupted, reporter) {
+            stop_if(interrupted, &failure.to_string())?;
+            reporter.warn(&format!("not baked: {failure}"));
+            failed += 1;
+            first.get_or_insert(failure);
+        }
+    }
+    first.map_or(Ok(()), |failure| {
+        Err(failure.with(format!("{failed} of {} models were not baked", each.len())))
+    })
+}
+
+/// Bakes one model.
+fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Result<(), Failure> {
+    let settings = args.ao.checked()?;
     let (model, to) = (args.model(), args.output());
     let output = Output::of(&model, &to)?;
     if output.is_some() {
         target::check_writable(&to)?;
     }
     preview::check(args)?;
+    check_state(args, &settings)?;
     let mut scene = scene::load(&model, &scene::Limits::default())?;
     reporter.scene_warnings(&scene);
     // What is chosen or added does not change the distance.
@@ -50,6 +98,9 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     let chosen = args.scope().apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
     let Scene { name, geometry, origins, sources, .. } = scene;
     let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
+    if for_vertices && (args.state.is_some() || args.preview.is_some()) {
+        return Err(Failure::Request("--state and --preview: are for maps, not for vertices".into()));
+    }
     let sheets = if for_vertices {
         Sheets::default()
     } else {
@@ -68,14 +119,13 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
         let of = vertex::Of {
             name: &name,
             args,
-            settings: &settings,
             session: &session,
             apart: &apart,
             receivers: &chosen.receivers,
             origins: &origins,
             vertices: &vertices,
         };
-        return vertex::run(&of, output, interrupted, &reporter);
+        return vertex::run(&of, output, interrupted, reporter);
     }
     // Images of other formats than glTF have their first row at v = 1.
     let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample, args.facing());
@@ -86,7 +136,12 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
             "--max-memory: the maps need {needed} bytes; allow more, or choose a smaller --size"
         ))
     })?;
-    let map_options = MapOptions { padding: args.padding, portion: memory.places, ..MapOptions::default() };
+    let map_options = MapOptions {
+        padding: args.padding,
+        portion: memory.places,
+        state: args.state.clone(),
+        ..MapOptions::default()
+    };
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     if args.dry_run {
         let ready = plan::Ready {
@@ -98,13 +153,13 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
             memory,
             options: &map_options,
         };
-        return plan::print(&ready, &reporter);
+        return plan::print(&ready, reporter);
     }
     let mut preview = match &args.preview {
         Some(path) => Some(preview::Preview::begin(path, &session, &apart, &places, &sheets, &map_options)?),
         None => None,
     };
-    let baked = observed(interrupted, &reporter, |control| {
+    let baked = observed(interrupted, reporter, |control| {
         let budget = session.plan().budget;
         let mut refine = |maps: &[AtlasMap]| preview.iter_mut().for_each(|preview| preview.refine(maps));
         Ok(bake_maps_told(&session, &apart, &places, budget, &map_options, control, &mut refine)?)
@@ -123,7 +178,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     }
     let files = match output {
         Some(output) => {
-            output.write(args, &sheets, &baked.maps, (&origins, &vertices), &session, &reporter)?
+            output.write(args, &sheets, &baked.maps, (&origins, &vertices), &session, reporter)?
         }
         None => Vec::new(),
     };
@@ -131,17 +186,33 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     summary::tell(&summary::Told {
         name: &name,
         args,
-        settings: &settings,
         session: &session,
         sheets: &sheets,
         baked: &baked,
         work: &work,
         files: &files,
         missed: missed.as_deref(),
-        reporter: &reporter,
+        reporter,
     });
     stop_if(interrupted, "what was done by then has been written")?;
     explain::check(args.ao.strict, missed)
+}
+
+/// Makes the folder of kept work, or refuses one that could not be used, before any work.
+fn check_state(args: &BakeArgs, settings: &AoSettings) -> Result<(), Failure> {
+    let Some(folder) = &args.state else { return Ok(()) };
+    let refuse = |problem: String| Err(Failure::Request(format!("--state {}: {problem}", folder.display())));
+    if settings.method != Method::Hybrid {
+        return refuse(format!("needs --method hybrid, not {}", settings.method));
+    }
+    if args.scope().self_only {
+        return refuse("objects that stand apart keep no work; leave out --self-only and --shared".into());
+    }
+    match std::fs::create_dir(folder) {
+        Ok(()) => Ok(()),
+        Err(_) if folder.is_dir() => Ok(()),
+        Err(e) => Err(Failure::Work(format!("{}: cannot be made: {e}", folder.display()))),
+    }
 }
 
 /// A distance that does not depend on what is in the scene; one that makes no sense is left for the settings to refuse.

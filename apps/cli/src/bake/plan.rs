@@ -88,7 +88,7 @@ fn foreseen(
     let tried = all.iter().max_by(|a, b| places.atlas.reads(a).total_cmp(&places.atlas.reads(b)));
     let Some(tried) = tried.filter(|tried| places.atlas.reads(tried) > 0.0) else { return Ok(None) };
     let budget = conray::Budget { seconds: None, ..session.plan().budget };
-    let only = MapOptions { only: Some(tried.clone()), ..options.clone() };
+    let only = MapOptions { only: Some(tried.clone()), state: None, ..options.clone() };
     let baked = bake_maps(session, apart, places, budget, &only, Control::none())?;
     let work = Work::of_parts(&baked.parts);
     let found = work.map(|work| work.seconds * reads / places.atlas.reads(tried));

@@ -46,8 +46,15 @@ impl Preview {
         sheets: &Sheets,
         options: &MapOptions,
     ) -> Result<Self, Failure> {
-        let maps =
-            bake_maps(session, apart, places, Budget::rays(FIRST_RAYS), options, Control::none())?.maps;
+        let maps = bake_maps(
+            session,
+            apart,
+            places,
+            Budget::rays(FIRST_RAYS),
+            &MapOptions { state: None, ..options.clone() },
+            Control::none(),
+        )?
+        .maps;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let name = |name: &String| match maps.len() {
             1 => path.to_path_buf(),

@@ -7,7 +7,7 @@ use crate::{
     report::{self, Reporter},
 };
 use conray::{
-    AoSettings, Session, Work,
+    Session, Work,
     target::{AtlasMap, SeamReport},
 };
 use conray_bake::{Baked, MapOptions, Sheets};
@@ -18,7 +18,6 @@ use std::path::PathBuf;
 pub(super) struct Told<'a> {
     pub(super) name: &'a str,
     pub(super) args: &'a BakeArgs,
-    pub(super) settings: &'a AoSettings,
     pub(super) session: &'a Session,
     pub(super) sheets: &'a Sheets,
     pub(super) baked: &'a Baked,
@@ -43,7 +42,7 @@ pub(super) fn tell(told: &Told<'_>) {
             lines.extend(explain::lines(session.plan(), part));
         }
     }
-    let mut facts = report::work_json(told.settings, session.report(), work);
+    let mut facts = report::work_json(&args.ao.settings(), session.report(), work);
     facts["plan"] = baked.parts.iter().map(|part| json!(part.explanation)).collect();
     facts["model"] = json!(told.name);
     facts["maps"] = told.sheets.sheets.iter().map(|sheet| json!(sheet.name)).collect();

@@ -8,7 +8,7 @@ use crate::{
     render::{observed, stop_if},
     report::{self, Reporter},
 };
-use conray::{AoSettings, Event, Session, Work, scene::Origin};
+use conray::{Event, Session, Work, scene::Origin};
 use conray_bake::{
     Apart, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
     write_vertex_model,
@@ -20,7 +20,6 @@ use std::{path::PathBuf, sync::atomic::AtomicBool};
 pub(super) struct Of<'a> {
     pub(super) name: &'a str,
     pub(super) args: &'a BakeArgs,
-    pub(super) settings: &'a AoSettings,
     pub(super) session: &'a Session,
     pub(super) apart: &'a [Apart],
     pub(super) receivers: &'a [u32],
@@ -34,7 +33,7 @@ pub(super) fn run(
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<(), Failure> {
-    let Of { name, args, settings, session, apart, .. } = *of;
+    let Of { name, args, session, apart, .. } = *of;
     let slots = Slots::of(session, of.receivers, &objects(session.geometry(), of.origins));
     let facing = args.facing();
     let target = VertexTarget::new(session, slots, &args.vertex.settings(), facing)?;
@@ -77,7 +76,7 @@ pub(super) fn run(
     if args.ao.explain {
         baked.parts.iter().for_each(|part| lines.extend(explain::lines(session.plan(), part)));
     }
-    let mut facts = report::work_json(settings, session.report(), &work);
+    let mut facts = report::work_json(&args.ao.settings(), session.report(), &work);
     facts["model"] = json!(name);
     facts["values"] = json!(baked.values.visibility.len());
     facts["misfit"] = json!(baked.values.misfit);
