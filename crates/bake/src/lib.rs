@@ -21,6 +21,7 @@ mod buried;
 mod document;
 mod mapped_obj;
 mod memory;
+mod packed;
 mod places;
 mod run;
 mod scope;

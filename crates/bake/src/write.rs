@@ -1,6 +1,9 @@
 //! What a bake writes: PNG maps, and models that show them.
 
-use crate::{AssignError, Buffers, Document, Kind, Origins, Sheets, Uvs, assign};
+use crate::{
+    AssignError, Buffers, Document, Kind, Origins, Sheets, Uvs, assign,
+    packed::{packed, share},
+};
 use base64::{Engine, prelude::BASE64_STANDARD};
 use conray_core::Vec3;
 use conray_target::{AtlasMap, PngDepth, TargetError, encode_colour_png, encode_png, write_atomically};
@@ -65,6 +68,8 @@ pub struct PngOptions {
     pub depth: PngDepth,
     /// What is done for the looks.
     pub look: Look,
+    /// Occlusion goes into the red channel of the image of roughness and metalness, where a material reads both by the same UVs.
+    pub packs: bool,
 }
 
 /// Bent directions of a map as a PNG: unit vectors in world space, each axis from -1 to 1 as 0 to 1. What has no direction points nowhere: (0.5, 0.5, 0.5).
@@ -78,7 +83,7 @@ pub fn bent_png(map: &AtlasMap, depth: PngDepth) -> Vec<u8> {
 }
 
 /// A map as a grey PNG: linear visibility, 1 is white. What has no value is white.
-pub fn png(map: &AtlasMap, PngOptions { depth, look }: PngOptions) -> Vec<u8> {
+pub fn png(map: &AtlasMap, PngOptions { depth, look, .. }: PngOptions) -> Vec<u8> {
     let values: Vec<f32> =
         map.visibility.iter().map(|&v| if v.is_nan() { 1.0 } else { look.of(v) }).collect();
     let mut bytes = Vec::new();
@@ -111,6 +116,8 @@ pub fn file_names(sheets: &Sheets) -> Vec<String> {
 pub struct Written {
     /// Files, the model last.
     pub files: Vec<PathBuf>,
+    /// Maps that were to be packed with roughness and metalness and were not, each with the reason, for people.
+    pub not_packed: Vec<String>,
     /// Names of files that the document has and that were not copied beside it: missing, or outside its folder.
     pub not_copied: Vec<String>,
 }
@@ -130,15 +137,36 @@ pub fn write_model(
     options: PngOptions,
 ) -> Result<Written, WriteError> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let mut textures = Vec::new();
-    for ((sheet, name), map) in sheets.sheets.iter().zip(file_names(sheets)).zip(maps) {
-        let texture = document.push_png(png(map, options), &format!("{stem}-{name}-ao"), sheet.repeats);
-        textures.push(texture.map_err(AssignError::from)?);
-    }
     let anew = sheets.sheets.iter().any(|sheet| matches!(sheet.uvs, Uvs::New { .. }));
-    let buffers = if anew { buffers_of(&document, source)? } else { Buffers::default() };
+    let buffers = if anew || options.packs { buffers_of(&document, source)? } else { Buffers::default() };
+    let (mut textures, mut shared, mut not_packed) = (Vec::new(), Vec::new(), Vec::new());
+    for ((sheet, name), map) in sheets.sheets.iter().zip(file_names(sheets)).zip(maps) {
+        let packed = match options.packs {
+            true => packed(&document, source, &buffers, origins, sheet, map, options.look)?,
+            false => Err(String::new()),
+        };
+        let (bytes, before, ending) = match packed {
+            Ok((bytes, before)) => (bytes, Some(before), "orm"),
+            Err(reason) => {
+                if options.packs {
+                    not_packed.push(format!("{}: {reason}", sheet.name));
+                }
+                (png(map, options), None, "ao")
+            }
+        };
+        let texture = document.push_png(bytes, &format!("{stem}-{name}-{ending}"), sheet.repeats);
+        let texture = texture.map_err(AssignError::from)?;
+        if let Some(before) = before {
+            document.copy_sampler(before, texture).map_err(AssignError::from)?;
+            shared.push((sheet, texture));
+        }
+        textures.push(texture);
+    }
     assign(&mut document, origins, sheets, &textures, &buffers, &format!("{stem}-ao"))?;
-    write_document(path, source, &document)
+    for (sheet, texture) in shared {
+        share(&mut document, origins, sheet, texture)?;
+    }
+    Ok(Written { not_packed, ..write_document(path, source, &document)? })
 }
 
 /// The buffers of a document that was read from there.
@@ -172,7 +200,7 @@ pub(crate) fn write_document(path: &Path, source: &Path, document: &Document) ->
 }
 
 /// The bytes of a buffer: a file beside the model, or data in it.
-fn bytes_of(model: &Path, uri: &str) -> Option<Vec<u8>> {
+pub(crate) fn bytes_of(model: &Path, uri: &str) -> Option<Vec<u8>> {
     match uri.strip_prefix("data:") {
         Some(inline) => BASE64_STANDARD.decode(inline.split_once(";base64,")?.1).ok(),
         None => fs::read(model.parent()?.join(conray_scene::percent_decoded(uri))).ok(),

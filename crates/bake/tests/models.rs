@@ -37,6 +37,10 @@ fn write_source(folder: &Path) -> PathBuf {
 }
 
 fn bake(source: &Path, to: &Path) -> Written {
+    bake_packed(source, to, false)
+}
+
+fn bake_packed(source: &Path, to: &Path, packs: bool) -> Written {
     let scene = load(source, &Limits::default()).unwrap();
     let settings = AoSettings { rays: Some(64), ..AoSettings::default() };
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
@@ -52,7 +56,7 @@ fn bake(source: &Path, to: &Path) -> Written {
         .iter()
         .map(|instance| &scene.sources[instance.mesh as usize][..])
         .collect();
-    let png = PngOptions { depth: PngDepth::Eight, look: Look::default() };
+    let png = PngOptions { depth: PngDepth::Eight, look: Look::default(), packs };
     let origins = Origins { instances: &scene.origins, vertices: &vertices };
     write_model(to, source, document, &origins, &sheets, &baked.maps, png).unwrap()
 }
@@ -123,4 +127,70 @@ fn a_surface_without_uvs_gets_vertices_with_new_ones() {
     let first = f32::from_le_bytes(bin[offset..offset + 4].try_into().unwrap());
     assert!([0.0, 1.0].contains(&first), "a value of the vertex that it was");
     assert_eq!(document.root()["materials"][0]["occlusionTexture"]["texCoord"], 0);
+}
+
+/// The quads with an image of 2 x 2 texels for roughness and metalness.
+fn write_rough(folder: &Path, info: &str) -> PathBuf {
+    let source = write_source(folder);
+    let image =
+        image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([9, 40 + 100 * x as u8, 200 - 90 * y as u8]));
+    image.save(folder.join("rough.png")).unwrap();
+    let text = fs::read_to_string(&source).unwrap();
+    let text = text.replace("missing.png", "rough.png").replace(
+        r#""emissiveTexture":{"index":0}"#,
+        &format!(r#""pbrMetallicRoughness":{{"metallicRoughnessTexture":{{"index":0{info}}}}}"#),
+    );
+    fs::write(&source, text).unwrap();
+    source
+}
+
+#[test]
+fn occlusion_is_packed_with_roughness_and_metalness() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = write_rough(folder.path(), "");
+    let (plain, out) = (folder.path().join("plain.gltf"), folder.path().join("packed.gltf"));
+    bake(&source, &plain);
+    let written = bake_packed(&source, &out, true);
+    assert!(written.not_packed.is_empty(), "{:?}", written.not_packed);
+    let document = Document::open(&fs::read(&out).unwrap()).unwrap();
+    for (k, material) in document.root()["materials"].as_array().unwrap().iter().enumerate().skip(1) {
+        let shown = &material["occlusionTexture"]["index"];
+        assert_eq!(shown, &material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"], "{k}");
+        let texture = &document.root()["textures"][shown.as_u64().unwrap() as usize];
+        assert!(texture.get("sampler").is_none(), "as the one before");
+    }
+    for k in 0..2 {
+        let packed =
+            image::open(folder.path().join(format!("packed-two-sided-{k}-orm.png"))).unwrap().into_rgb8();
+        let alone =
+            conray_target::read_png(folder.path().join(format!("plain-two-sided-{k}-ao.png"))).unwrap();
+        assert_eq!(packed.dimensions(), (16, 16));
+        for (texel, value) in packed.pixels().zip(&alone.values) {
+            assert!((f32::from(texel.0[0]) / 255.0 - value).abs() < 1e-3);
+        }
+        // Enlarged: the corners are those of the image before.
+        assert_eq!((packed[(0, 0)].0[1], packed[(15, 15)].0[1]), (40, 140));
+        assert_eq!((packed[(0, 0)].0[2], packed[(15, 15)].0[2]), (200, 110));
+    }
+}
+
+#[test]
+fn what_cannot_be_packed_is_told_and_stands_alone() {
+    let cases = [
+        (r#","texCoord":1"#, "other UVs"),
+        (r#","extensions":{"KHR_texture_transform":{"scale":[2,2]}}"#, "transformed"),
+    ];
+    for (info, reason) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let source = write_rough(folder.path(), info);
+        let written = bake_packed(&source, &folder.path().join("out.gltf"), true);
+        assert_eq!(written.not_packed.len(), 2);
+        assert!(written.not_packed[0].contains(reason), "{:?}", written.not_packed);
+        assert!(folder.path().join("out-two-sided-0-ao.png").exists());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = write_rough(folder.path(), "");
+    fs::write(folder.path().join("rough.png"), b"no image").unwrap();
+    let written = bake_packed(&source, &folder.path().join("out.gltf"), true);
+    assert!(written.not_packed[0].contains("cannot be read"), "{:?}", written.not_packed);
 }

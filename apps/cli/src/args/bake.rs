@@ -36,6 +36,9 @@ pub(crate) struct BakeArgs {
     /// Bits per sample of PNG maps
     #[arg(long, value_name = "8|16", default_value = "8", value_parser = PossibleValuesParser::new(["8", "16"]))]
     pub(crate) bits: String,
+    /// Puts occlusion into the red channel of the image of roughness and metalness, 8 bits, where a material of a glTF reads both by the same UVs
+    #[arg(long)]
+    pub(crate) pack: bool,
     /// Writes bent directions too, as PNG files beside the output: world space, -1 to 1 as black to white
     #[arg(long)]
     pub(crate) bent_normals: bool,

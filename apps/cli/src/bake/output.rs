@@ -90,7 +90,7 @@ impl Output {
     ) -> Result<Vec<PathBuf>, Failure> {
         let to = args.output();
         let depth = if args.bits == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
-        let options = PngOptions { depth, look: args.look() };
+        let options = PngOptions { depth, look: args.look(), packs: args.pack };
         let stem = to.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let names = file_names(sheets);
         let mut files = Vec::new();
@@ -112,6 +112,10 @@ impl Output {
                 let origins = Origins { instances: of.0, vertices: of.1 };
                 let written = write_model(&to, &args.model(), document, &origins, sheets, maps, options)
                     .map_err(|e| Failure::Work(format!("{}: {e}", to.display())))?;
+                for map in written.not_packed {
+                    let message = format!("occlusion is an image of its own: {map}");
+                    reporter.event(Event::Warning { message });
+                }
                 for name in written.not_copied {
                     let message = format!("{name}, which the model names, is not copied; copy it by hand");
                     reporter.event(Event::Warning { message });

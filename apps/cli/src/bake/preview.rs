@@ -89,7 +89,7 @@ impl Preview {
 
     fn write(&self) -> Result<(), Failure> {
         for (path, map) in self.paths.iter().zip(&self.maps) {
-            let bytes = png(map, PngOptions { depth: PngDepth::Eight, look: Look::default() });
+            let bytes = png(map, PngOptions { depth: PngDepth::Eight, look: Look::default(), packs: false });
             target::write_atomically(path, |out| out.write_all(&bytes))?;
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! The files about a text document.
 
-use super::{Document, Kind};
+use super::{Buffers, Document, DocumentError, Kind};
 use serde_json::Value;
 
 /// What a document written elsewhere needs beside it.
@@ -31,6 +31,28 @@ impl Document {
             }
         }
         Files { added, had }
+    }
+
+    /// The bytes of a buffer view; `None` where it, or what it is of, does not exist.
+    pub fn view_bytes(&self, view: usize, buffers: &Buffers) -> Option<Vec<u8>> {
+        let view = self.element("bufferViews", view).ok()?;
+        let number = |key: &str| view.get(key).map_or(Some(0), |value| usize::try_from(value.as_u64()?).ok());
+        let length = usize::try_from(view.get("byteLength")?.as_u64()?).ok()?;
+        Some(buffers.range(number("buffer")?, number("byteOffset")?, length)?.to_vec())
+    }
+
+    /// Gives a texture the sampler of another, or none.
+    ///
+    /// # Errors
+    /// Where one of them does not exist or is no object.
+    pub fn copy_sampler(&mut self, from: usize, to: usize) -> Result<(), DocumentError> {
+        let sampler = self.element("textures", from)?.get("sampler").cloned();
+        let texture = self.element_mut("textures", to)?;
+        match sampler {
+            Some(sampler) => _ = texture.insert("sampler".into(), sampler),
+            None => _ = texture.shift_remove("sampler"),
+        }
+        Ok(())
     }
 
     pub(super) fn uri(&self, list: &str, index: usize) -> Option<&str> {

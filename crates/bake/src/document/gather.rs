@@ -37,7 +37,7 @@ impl Buffers {
         (0..document.count("buffers")).map(bytes).collect::<Result<_, _>>().map(Self)
     }
 
-    fn range(&self, buffer: usize, offset: usize, length: usize) -> Option<&[u8]> {
+    pub(super) fn range(&self, buffer: usize, offset: usize, length: usize) -> Option<&[u8]> {
         self.0.get(buffer)?.get(offset..)?.get(..length)
     }
 }
