@@ -4,6 +4,7 @@ use conray::{AoSettings, Control, Distance, Session, Work};
 use conray_bake::{Facing, MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
 use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
 use conray_target::{AtlasMap, MapSize};
+use std::f32::consts::{PI, TAU};
 
 /// Texels on each side, and the share of the map that the surface leaves free on each side.
 const SIDE: u32 = 48;
@@ -103,4 +104,73 @@ fn a_floor_under_a_ceiling_that_reaches_nowhere_else() {
     let found = rmse(&map, |_, _| 1.0 - 4.0 * quarter);
     assert!(found < 0.003, "{found} about {}", 1.0 - 4.0 * quarter);
     assert!(rmse(&map, |_, _| 1.0 - 4.1 * quarter) > 0.01);
+}
+
+/// A sphere about a centre, of rings and sectors so fine that it is a thousandth smaller than a true one.
+fn sphere(centre: Vec3, radius: f32) -> TriangleMesh {
+    let (rings, sectors) = (64u32, 128u32);
+    let place = |k: u32| {
+        let (polar, around) =
+            ((k / sectors) as f32 / rings as f32 * PI, (k % sectors) as f32 / sectors as f32 * TAU);
+        let (ring, height) = polar.sin_cos();
+        centre + radius * Vec3::new(ring * around.cos(), height, ring * around.sin())
+    };
+    let quad = |k: u32| {
+        let (a, b) = (k, k / sectors * sectors + (k + 1) % sectors);
+        [[a, b, a + sectors], [b, b + sectors, a + sectors]]
+    };
+    let triangles = (0..rings * sectors).flat_map(quad).collect();
+    TriangleMesh::new((0..(rings + 1) * sectors).map(place).collect(), triangles).unwrap()
+}
+
+#[test]
+fn a_floor_under_a_sphere() {
+    // A sphere wholly over the horizon takes (R / D)^2 cos from what an element at distance D sees (Howell, "A Catalog of Radiation Heat Transfer Configuration
+    // Factors", B-43).
+    let (height, radius) = (0.7, 0.5);
+    let floor = quad(Vec3::new(-1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X);
+    let solid = sphere(Vec3::new(0.0, height, 0.0), radius);
+    let (map, expected) = baked(vec![floor, solid], &settings(256), 1, PORTION);
+    let truth = |radius: f32| {
+        move |u: f32, v: f32| {
+            let squared = (2.0 * u - 1.0).powi(2) + (2.0 * v - 1.0).powi(2) + height * height;
+            1.0 - radius * radius * height / squared.powf(1.5)
+        }
+    };
+    let found = rmse(&map, truth(radius));
+    assert!(found < 0.006, "{found}, {expected} expected");
+    assert!(rmse(&map, truth(1.1 * radius)) > 0.03, "the comparison can fail");
+}
+
+#[test]
+fn a_plane_beside_a_box_that_stands_on_it() {
+    // The floor from 0.02 to 1.02 before a face of the box that is 3 wide and 0.8 high: of the box only the face is seen from there.
+    let (wide, high, near) = (3.0f32, 0.8, 0.02);
+    let floor = quad(Vec3::new(near, 0.0, -0.5), Vec3::Z, Vec3::X);
+    let corner = |k: u32| {
+        Vec3::new(
+            -f32::from(u8::from(k & 1 == 1)),
+            if k >> 1 & 1 == 1 { high } else { 0.0 },
+            (f32::from(u8::from(k >> 2 & 1 == 1)) - 0.5) * wide,
+        )
+    };
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let solid = TriangleMesh::new((0..8).map(corner).collect(), triangles).unwrap();
+    let (map, expected) = baked(vec![floor, solid], &settings(256), 1, PORTION);
+    // An element and a rectangle in a plane at a right angle, one corner nearest to it (Howell, B-4).
+    let quarter = |away: f32, width: f32, height: f32| {
+        let (x, y) = (height / width, away / width);
+        let both = (x * x + y * y).sqrt();
+        ((1.0 / y).atan() - y / both * (1.0 / both).atan()) / TAU
+    };
+    let truth = |height: f32| {
+        move |u: f32, v: f32| {
+            let (away, along) = (near + v, u - 0.5);
+            1.0 - quarter(away, 0.5 * wide - along, height) - quarter(away, 0.5 * wide + along, height)
+        }
+    };
+    let found = rmse(&map, truth(high));
+    assert!(found < 0.006, "{found}, {expected} expected");
+    assert!(rmse(&map, truth(1.2 * high)) > 0.02, "the comparison can fail");
 }
