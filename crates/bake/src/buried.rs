@@ -3,26 +3,10 @@
 //! A floor goes on under the box that stands on it. Nobody sees it there, but the texels at the box's foot are read together with those beside it, and
 //! are dark. What they show is no light that anybody sees: they are to take the values of their neighbours outside.
 
-use conray::Session;
-use conray_core::{
-    Estimate, Frame, Geometry, Layout, Opacity, Ray, SurfacePoint, cosine_hemisphere, owen_sobol_2d,
-};
+use conray_core::{Estimate, Geometry};
 use conray_target::{AtlasMap, AtlasTarget, Target, TargetError, Texel};
-use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Points that see more than this are not asked about: inside a closed thing at most half is open beside its wall, and what is further from it than
-/// the AO distance is read together with nothing outside.
-const MOST_OPEN: f32 = 0.6;
-/// Rays that look for back faces, and how many may meet something else, or nothing, inside: an eighth. A wall without thickness takes half of what the
-/// floor at its foot sees, and the inside of a shell that is open somewhere, which is seen from there, shows up to three quarters of back faces.
-const RAYS: u32 = 24;
-const MOST_OTHERS: u32 = 3;
-/// Rays that decide it where all of them meet back faces.
-const CLEARLY_IN: u32 = 16;
-/// Neighbours lie on the same surface if they are no farther than so many texels, and their normals have at least this cosine.
-const NEAR: f32 = 4.0;
-const LIKE: f32 = 0.9;
 /// Where more of a surface than this lies inside, it is not buried: what is about it is turned inside out.
 const MOST_BURIED: f64 = 0.5;
 
@@ -106,131 +90,12 @@ pub(crate) fn mostly_outside(inside: &mut [bool], instances: &[u32]) {
     }
 }
 
-/// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
-///
-/// In an image only one point in four is asked about by rays; others are what their neighbours are where these are of one mind.
-pub fn inside(
-    session: &Session,
-    points: &[SurfacePoint],
-    estimates: &[Estimate],
-    layout: Layout,
-) -> Vec<bool> {
-    let solid = solid(session.geometry());
-    let by_rays = |index: usize| {
-        let (point, estimate) = (&points[index], &estimates[index]);
-        let closed = !estimate.is_pending() && estimate.visibility <= MOST_OPEN;
-        closed.then(|| is_inside(session, &solid, point))
-    };
-    let found: Vec<Option<bool>> = session.install(|| match layout {
-        Layout::Scattered => (0..points.len()).into_par_iter().with_min_len(64).map(by_rays).collect(),
-        Layout::Image { first, width, height } => {
-            let grid = Grid::of(points, first, [width, height]);
-            let on_lattice = |index: usize| {
-                let [x, y] = grid.place(&points[index]);
-                (x % 2, y % 2) == (0, 0)
-            };
-            let lattice = (0..points.len()).into_par_iter().with_min_len(64);
-            let lattice: Vec<Option<bool>> =
-                lattice.map(|index| on_lattice(index).then(|| by_rays(index)).flatten()).collect();
-            let rest = (0..points.len()).into_par_iter().with_min_len(64);
-            rest.map(|index| match on_lattice(index) {
-                true => lattice[index],
-                false if estimates[index].visibility > MOST_OPEN => None,
-                false => grid.of_one_mind(points, index, &lattice).or_else(|| by_rays(index)),
-            })
-            .collect()
-        }
-    });
-    found.into_iter().map(|inside| inside == Some(true)).collect()
-}
-
-/// Where points stand in an image.
-struct Grid {
-    first: u32,
-    size: [u32; 2],
-    /// Index of the point of each pixel.
-    index: Vec<u32>,
-}
-
-impl Grid {
-    fn of(points: &[SurfacePoint], first: u32, size: [u32; 2]) -> Self {
-        let mut index = vec![u32::MAX; size[0] as usize * size[1] as usize];
-        for (k, point) in (0..).zip(points) {
-            index[(point.id - first) as usize] = k;
-        }
-        Self { first, size, index }
-    }
-
-    fn place(&self, point: &SurfacePoint) -> [u32; 2] {
-        let pixel = point.id - self.first;
-        [pixel % self.size[0], pixel / self.size[0]]
-    }
-
-    /// What the neighbours on the lattice of even pixels say where all do that lie on the same surface, and two at least.
-    fn of_one_mind(&self, points: &[SurfacePoint], index: usize, lattice: &[Option<bool>]) -> Option<bool> {
-        let point = &points[index];
-        let about = self.place(point).map(|at| if at % 2 == 0 { [at, u32::MAX] } else { [at - 1, at + 1] });
-        let (mut said, mut count) = (None, 0);
-        for (x, y) in about[0].iter().flat_map(|&x| about[1].iter().map(move |&y| (x, y))) {
-            if x >= self.size[0] || y >= self.size[1] {
-                continue;
-            }
-            let near = self.index[y as usize * self.size[0] as usize + x as usize] as usize;
-            let Some(other) = points.get(near) else { continue };
-            if other.position.distance(point.position) > NEAR * point.footprint
-                || other.geometric_normal.dot(point.geometric_normal) < LIKE
-            {
-                continue;
-            }
-            // One that was not asked says nothing.
-            let inside = lattice[near]?;
-            if said.is_some_and(|said| said != inside) {
-                return None;
-            }
-            (said, count) = (Some(inside), count + 1);
-        }
-        said.filter(|_| count >= 2)
-    }
-}
-
-/// For each mesh whether its back faces are the inside of something.
-fn solid(geometry: &Geometry) -> Vec<bool> {
-    let is_solid = |mesh: usize| {
-        let material = geometry.materials().get(geometry.meshes()[mesh].material as usize);
-        let two_sided = material.is_some_and(|material| material.double_sided);
-        !two_sided && matches!(geometry.opacity(mesh), Opacity::Constant(opacity) if *opacity >= 0.5)
-    };
-    (0..geometry.meshes().len()).map(is_solid).collect()
-}
-
-fn is_inside(session: &Session, solid: &[bool], point: &SurfacePoint) -> bool {
-    let frame = Frame::from_normal(point.geometric_normal);
-    let meets_back = |k: u32| {
-        let local = cosine_hemisphere(owen_sobol_2d(k, point.id));
-        let direction = frame.to_world(local).normalize();
-        let ray = Ray { origin: point.ray_origin(), direction, t_max: f32::INFINITY };
-        let Some(hit) = session.bvh().nearest(&ray) else { return false };
-        let mesh = session.geometry().instances()[hit.instance as usize].mesh;
-        solid[mesh as usize] && session.bvh().is_back(&hit, &ray)
-    };
-    let mut others = 0;
-    for k in 0..RAYS {
-        others += u32::from(!meets_back(k));
-        if others > MOST_OTHERS {
-            return false;
-        }
-        if others == 0 && k + 1 == CLEARLY_IN {
-            break;
-        }
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use conray::{AoSettings, Distance};
-    use conray_core::{Affine3A, Material, TriangleMesh, Vec2, Vec3};
+    use crate::inside;
+    use conray::{AoSettings, Distance, Session};
+    use conray_core::{Affine3A, Layout, Material, SurfacePoint, TriangleMesh, Vec2, Vec3};
     use conray_target::{Atlas, MapSize, Surface};
 
     /// A floor 4 x 4, and a closed box of 1 x 1 x 1 on the middle of it.
@@ -337,5 +202,29 @@ mod tests {
         let (count, taken) = some.take_from(&mut maps);
         assert_eq!((count, taken[0].visibility), (100, 0.25));
         assert!(maps[0].visibility[0].is_nan());
+    }
+
+    #[test]
+    fn neighbours_of_one_mind_say_what_rays_would() {
+        // The floor seen from above as an image of 81 x 81 points, at a slant, so that the box's sides run across rows.
+        let session = scene(false, false);
+        let (side, turn) = (81u32, 0.3f32);
+        let point = |id: u32| {
+            let at = Vec2::new((id % side) as f32, (id / side) as f32) / 40.0 - 1.0;
+            let at = Vec2::from_angle(turn).rotate(at);
+            let point = SurfacePoint::new(Vec3::new(at.x, 0.0, at.y), Vec3::Y);
+            SurfacePoint { footprint: 1.0 / 40.0, ..point }.with_id(id)
+        };
+        let points: Vec<SurfacePoint> = (0..side * side).map(point).collect();
+        let estimates = session.estimate(&points).unwrap();
+        let layout = Layout::Image { first: 0, width: side, height: side };
+        let (each, some) = (
+            inside(&session, &points, &estimates, Layout::Scattered),
+            inside(&session, &points, &estimates, layout),
+        );
+        let within = each.iter().filter(|inside| **inside).count();
+        assert!((1400..1700).contains(&within), "{within} of 1600 texels of a box of 1 x 1");
+        let differ = each.iter().zip(&some).filter(|(a, b)| a != b).count();
+        assert!(differ < 20, "{differ}");
     }
 }

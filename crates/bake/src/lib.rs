@@ -9,7 +9,7 @@
 //!
 //! vertex/: values at vertices instead, fitted to points all over the surface; glTF, PLY and OBJ that show them.
 //!
-//! buried.rs tells which texels lie inside other geometry: they are filled from their neighbours.
+//! inside.rs tells which points lie inside other geometry; buried.rs fills their texels from their neighbours.
 //!
 //! [`Sheets`] finds the maps of a model, [`Places`] where to ask and where the model is cut, [`write_model`] writes the result. [`Slots`] finds which
 //! corners share a value, [`VertexTarget`] where to ask and what the values are, [`write_vertex_model`], [`write_ply`] and [`write_obj`] write them.
@@ -19,6 +19,7 @@ mod answers;
 mod assign;
 mod buried;
 mod document;
+mod inside;
 mod mapped_obj;
 mod memory;
 mod packed;
@@ -32,8 +33,9 @@ mod write;
 
 pub use answers::Apart;
 pub use assign::{AssignError, Origins, assign};
-pub use buried::{Buried, inside};
+pub use buried::Buried;
 pub use document::{Buffers, Document, DocumentError, Files, Kind};
+pub use inside::inside;
 pub use mapped_obj::{write_mapped_obj, write_mtl};
 pub use memory::Memory;
 pub use places::{Facing, Places};
