@@ -132,7 +132,7 @@ struct ScopeArgs {
     /// Adds a ground that occludes, under the lowest point or at a height
     #[arg(long, value_name = "Y", num_args = 0..=1, default_missing_value = "lowest", value_parser = parse_ground, allow_negative_numbers = true)]
     ground: Option<Ground>,
-    /// Rays pass the backs of surfaces: of those that are not said to be seen from both sides, or of all
+    /// Rays pass the backs of surfaces: of those that are not said to be seen from both sides, as all in OBJ files are, or of all
     #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "one-sided")]
     ignore_backfaces: Option<BacksArg>,
 }
