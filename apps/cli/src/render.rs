@@ -90,19 +90,8 @@ pub(crate) fn estimate<T: Target>(
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<Outcome, Failure> {
-    let (plan, points) = (session.plan(), target.points());
-    // What is kept belongs to this work or is refused, before any time is spent.
-    let begun = state.and_then(|path| Some((path, session.hybrid(plan, target)?)));
-    let kept = match begun {
-        Some((path, hybrid)) => Some((path, session.load(hybrid, plan, points, path)?)),
-        None => None,
-    };
-    observed(interrupted, reporter, |control| match kept {
-        Some((path, mut hybrid)) => {
-            let outcome = session.run_hybrid(&mut hybrid, plan.budget, points, Instant::now(), control);
-            session.save(&hybrid, plan, points, path)?;
-            Ok(outcome)
-        }
+    observed(interrupted, reporter, |control| match state {
+        Some(path) => Ok(session.run_target_kept(session.plan().budget, target, control, path)?),
         None => Ok(session.run_target(target, control)?),
     })
 }

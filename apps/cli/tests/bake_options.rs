@@ -209,6 +209,16 @@ fn interrupted_and_resumed_bakes_give_the_bits_of_unbroken_ones() {
     refused(&dir, &[&other[..], &["--self-only"]].concat(), 2, "stand apart");
     refused(&dir, &[&other[..], &["--method", "rays"]].concat(), 2, "needs --method hybrid");
     refused(&dir, &["pair.obj", "-o", "v.ply", "--state", "work"], 2, "not for vertices");
+    refused(&dir, &["pair.obj", "-o", "v.ply", "--size", "64"], 2, "--size: is for maps");
+    refused(&dir, &["pair.obj", "-o", "m.png", "--smoothness", "1"], 2, "--smoothness: is for vertices");
+    refused(&dir, &["pair.obj", "-o", "m.png", "--pack"], 2, "--pack: is for glTF alone");
+    refused(&dir, &["pair.obj", "-o", "m.exr", "--bits", "16"], 2, "an EXR has 32");
+    refused(
+        &dir,
+        &["pair.obj", "-o", "v.ply", "--max-memory", "20K", "--samples-per-triangle", "200"],
+        2,
+        "--max-memory: the points need",
+    );
 }
 
 #[test]

@@ -1,14 +1,10 @@
 //! What the points of a portion see: all together, or object by object where each is occluded by itself alone.
 
-use crate::{Facing, inside};
-use conray::{AoPlan, Budget, Control, Error, Outcome, PROGRESS_UNITS, Session, Work};
+use crate::{Facing, inside, shares::Shares};
+use conray::{Budget, Control, Error, Outcome, Session, Work};
 use conray_core::{Estimate, Layout, SurfacePoint};
 use conray_target::{Target, TargetError};
-use std::{
-    path::Path,
-    sync::atomic::{AtomicU64, Ordering},
-    time::Instant,
-};
+use std::path::Path;
 
 /// Points that fill less than one place in so many of a portion's image are taken as scattered: the image would be work for nothing.
 const SPARSE: u64 = 16;
@@ -52,15 +48,13 @@ impl Answers {
         facing: Facing,
         path: &Path,
     ) -> Result<Self, Error> {
-        let plan = AoPlan { budget, ..session.plan().clone() };
-        let Some(begun) = session.hybrid(&plan, target) else {
-            return Self::of(session, target, budget, control, facing);
-        };
-        let (start, points) = (Instant::now(), target.points());
-        let mut hybrid = session.load(begun, &plan, points, path)?;
-        let Outcome { estimates, work } = session.run_hybrid(&mut hybrid, budget, points, start, control);
-        session.save(&hybrid, &plan, points, path)?;
+        let Outcome { estimates, work } = session.run_target_kept(budget, target, control, path)?;
         Ok(Self::with_inside(session, target, estimates, work, facing))
+    }
+
+    /// Seconds of estimation.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.works.iter().map(|work| work.seconds).sum()
     }
 
     fn with_inside<T: Target>(
@@ -106,32 +100,21 @@ impl Answers {
                 object.push(point);
             }
         }
-        let mut left: usize = of_objects.iter().map(Vec::len).sum();
-        let (mut seconds, total) = (budget.seconds, left.max(1) as u64);
-        let (told, mut done) = (AtomicU64::new(0), 0);
-        for (object, indices) in apart.iter().zip(&of_objects).filter(|(_, indices)| !indices.is_empty()) {
-            let share = indices.len() as f64 / left as f64;
-            let budget = Budget { seconds: seconds.map(|seconds| seconds * share), ..budget };
-            let units = indices.len() as u64 * PROGRESS_UNITS / total;
-            let progress = |more: usize| {
-                let before = told.fetch_add(more as u64 * units, Ordering::Relaxed);
-                let after = before + more as u64 * units;
-                (control.progress)((after / PROGRESS_UNITS - before / PROGRESS_UNITS) as usize);
-            };
-            let part = Part::of(target, indices);
-            let found =
-                Self::of(&object.session, &part, budget, Control { progress: &progress, ..control }, facing)?;
-            for ((&index, estimate), inside) in indices.iter().zip(&found.estimates).zip(&found.inside) {
+        let objects: Vec<(&Apart, Vec<usize>)> =
+            apart.iter().zip(of_objects).filter(|(_, indices)| !indices.is_empty()).collect();
+        let weights = objects.iter().map(|(_, indices)| indices.len() as f64).collect();
+        let mut shares = Shares::new(weights, budget);
+        for (object, indices) in objects {
+            let part = Part::of(target, &indices);
+            let found = shares.next(control, |budget, control| {
+                let found = Self::of(&object.session, &part, budget, control, facing)?;
+                Ok::<_, Error>((found.seconds(), found))
+            })?;
+            for ((index, estimate), inside) in indices.into_iter().zip(&found.estimates).zip(&found.inside) {
                 (all.estimates[index], all.inside[index]) = (*estimate, *inside);
             }
-            let spent: f64 = found.works.iter().map(|work| work.seconds).sum();
-            seconds = seconds.map(|seconds| (seconds - spent).max(f64::MIN_POSITIVE));
-            left -= indices.len();
-            done += units;
             all.works.extend(found.works);
         }
-        // What the rounding of shares left.
-        (control.progress)((PROGRESS_UNITS - done.min(PROGRESS_UNITS)) as usize);
         Ok(all)
     }
 }

@@ -18,6 +18,7 @@ const CLEARLY_IN: u32 = 16;
 /// Neighbours lie on the same surface if they are no farther than so many texels, and their normals have at least this cosine.
 const NEAR: f32 = 4.0;
 const LIKE: f32 = 0.9;
+
 /// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
 ///
 /// In an image only one point in four is asked about by rays; others are what their neighbours are where these are of one mind.

@@ -1,6 +1,6 @@
 //! A model with the UVs by which its maps are read, for files that are not written back: an OBJ and its materials.
 
-use crate::{Sheets, Uvs};
+use crate::{Sheets, Uvs, vertex::title};
 use conray_core::{Geometry, Vec2, Vec3};
 use conray_target::{TargetError, write_atomically};
 use std::{
@@ -120,13 +120,6 @@ impl Mapped {
         let count = self.vertices.len() as u64;
         Ok((count, if has_normals { count } else { 0 }))
     }
-}
-
-/// Name of an instance, else its number, in one line.
-fn title(geometry: &Geometry, instance: u32) -> String {
-    let name = &geometry.instances()[instance as usize].name;
-    let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
-    if name.is_empty() { format!("surface {instance}") } else { name }
 }
 
 #[cfg(test)]

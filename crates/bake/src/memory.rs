@@ -24,6 +24,15 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Bytes of estimating so many points together, within a limit where there is one.
+    ///
+    /// # Errors
+    /// The bytes that are needed.
+    pub fn of_points(points: u64, structures: u64, limit: Option<u64>) -> Result<u64, u64> {
+        let needed = structures + points * BYTES_PER_PLACE;
+        if limit.is_none_or(|limit| needed <= limit) { Ok(needed) } else { Err(needed) }
+    }
+
     /// What a bake of some places takes within `limit` bytes, where there is one; `structures` are the bytes of the scene and what was built for it.
     ///
     /// # Errors

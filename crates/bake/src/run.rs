@@ -1,12 +1,9 @@
 //! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
 
-use crate::{Apart, Buried, Places, answers::Answers};
-use conray::{Budget, Control, Ended, Error, PROGRESS_UNITS, Session, Work};
+use crate::{Apart, Buried, Places, answers::Answers, shares::Shares};
+use conray::{Budget, Control, Ended, Error, Session, Work};
 use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
-use std::{
-    path::PathBuf,
-    sync::atomic::{AtomicU64, Ordering},
-};
+use std::path::PathBuf;
 
 /// How maps are made of estimates.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,26 +49,12 @@ pub struct Baked {
 /// Bakes maps within a budget: the error holds for each portion, the time is shared out by what is left to do. The result does not depend on
 /// threads, and on the clock only where time is the budget. Where objects stand `apart`, points of other instances get no value.
 ///
-/// Progress is told in thousandths of the whole, [`PROGRESS_UNITS`] in all.
+/// Progress is told in thousandths of the whole, [`conray::PROGRESS_UNITS`] in all; `told` hears of the maps after each portion but the last, when texels of those to
+/// come have no value yet.
 ///
 /// # Errors
 /// Maps that are too large, or what the backend lacks for the plan.
 pub fn bake_maps(
-    session: &Session,
-    apart: &[Apart],
-    places: &Places,
-    budget: Budget,
-    options: &MapOptions,
-    control: Control<'_>,
-) -> Result<Baked, Error> {
-    bake_maps_told(session, apart, places, budget, options, control, &mut |_| {})
-}
-
-/// The same, telling the maps after each portion but the last: texels of those to come have no value yet.
-///
-/// # Errors
-/// As of [`bake_maps`].
-pub fn bake_maps_told(
     session: &Session,
     apart: &[Apart],
     places: &Places,
@@ -88,7 +71,9 @@ pub fn bake_maps_told(
     let mut overlaps = vec![0.0; maps.len()];
     let mut buried = Buried::new(session.geometry());
     let mut parts: Vec<Work> = Vec::new();
-    let mut shares = Shares::of(places, &portions, budget);
+    // One texel at least, so that a portion of lines alone has a share.
+    let reads = portions.iter().map(|portion| places.atlas.reads(portion).max(1.0)).collect();
+    let mut shares = Shares::new(reads, budget);
     for (k, portion) in portions.iter().enumerate() {
         if control.is_cancelled() {
             break;
@@ -112,8 +97,7 @@ pub fn bake_maps_told(
                     Answers::apart(apart, &target, &instances, budget, control, places.facing)?
                 }
             };
-            let seconds = answers.works.iter().map(|work| work.seconds).sum();
-            Ok::<_, Error>((seconds, answers))
+            Ok::<_, Error>((answers.seconds(), answers))
         })?;
         let Answers { estimates, inside, works } = answers;
         parts.extend(works);
@@ -147,75 +131,4 @@ pub fn bake_maps_told(
         SeamReport::of(&seams, &maps, options.seam_bound)
     });
     Ok(Baked { maps, overlaps, buried, seams, parts, portions: portions.len() })
-}
-
-/// What of the budget and of the progress belongs to each portion.
-struct Shares {
-    budget: Budget,
-    /// About how much there is to do in each.
-    weights: Vec<f64>,
-    done: usize,
-    told: u64,
-}
-
-impl Shares {
-    fn of(places: &Places, portions: &[Portion], budget: Budget) -> Self {
-        // One texel at least, so that a portion of lines alone has a share.
-        let weights = portions.iter().map(|portion| places.atlas.reads(portion).max(1.0)).collect();
-        Self { budget, weights, done: 0, told: 0 }
-    }
-
-    /// Carries out the work on the next portion with its part of the time that is left; `work` tells the seconds that it took.
-    fn next<T, E>(
-        &mut self,
-        control: Control<'_>,
-        work: impl FnOnce(Budget, Control<'_>) -> Result<(f64, T), E>,
-    ) -> Result<T, E> {
-        let left: f64 = self.weights[self.done..].iter().sum();
-        let share = self.weights[self.done] / left;
-        let budget = Budget { seconds: self.budget.seconds.map(|seconds| seconds * share), ..self.budget };
-        let units = ((PROGRESS_UNITS - self.told) as f64 * share).round() as u64;
-        let (found, told) = (AtomicU64::new(0), AtomicU64::new(0));
-        let progress = |more: usize| {
-            let done = found.fetch_add(more as u64, Ordering::Relaxed) + more as u64;
-            let due = (done * units / PROGRESS_UNITS).min(units);
-            let before = told.fetch_max(due, Ordering::Relaxed);
-            if due > before {
-                (control.progress)((due - before) as usize);
-            }
-        };
-        let (seconds, result) = work(budget, Control { progress: &progress, ..control })?;
-        self.budget.seconds = self.budget.seconds.map(|all| (all - seconds).max(f64::MIN_POSITIVE));
-        self.told += told.into_inner();
-        self.done += 1;
-        Ok(result)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::{cell::Cell, sync::atomic::AtomicBool};
-
-    #[test]
-    fn portions_share_time_and_progress_by_what_is_to_do() {
-        let budget = Budget { seconds: Some(8.0), ..Budget::rays(64) };
-        let mut shares = Shares { budget, weights: vec![1.0, 2.0, 1.0], done: 0, told: 0 };
-        let told = AtomicU64::new(0);
-        let progress = |units: usize| _ = told.fetch_add(units as u64, Ordering::Relaxed);
-        let never = AtomicBool::new(false);
-        let control = Control { cancelled: &never, progress: &progress };
-        let allowed = Cell::new(Vec::new());
-        for seconds in [2.0, 3.0, 1.0] {
-            let run = |budget: Budget, control: Control<'_>| {
-                (0..PROGRESS_UNITS).for_each(|_| (control.progress)(1));
-                allowed.set([allowed.take(), vec![budget.seconds.unwrap()]].concat());
-                Ok::<_, ()>((seconds, ()))
-            };
-            shares.next(control, run).unwrap();
-        }
-        // A quarter, two thirds of what was left, and all that was.
-        assert_eq!(allowed.take(), [2.0, 4.0, 3.0]);
-        assert_eq!(told.into_inner(), PROGRESS_UNITS);
-    }
 }

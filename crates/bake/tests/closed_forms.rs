@@ -30,7 +30,8 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, port
     let places = Places::of(session.geometry(), &sheets, false, supersample, Facing::default());
     let options = MapOptions { portion, ..MapOptions::default() };
     let mut baked =
-        bake_maps(&session, &[], &places, session.plan().budget, &options, Control::none()).unwrap();
+        bake_maps(&session, &[], &places, session.plan().budget, &options, Control::none(), &mut |_| {})
+            .unwrap();
     let work = Work::of_parts(&baked.parts).unwrap();
     assert_eq!(baked.portions, baked.parts.len());
     (baked.maps.remove(0), work.expected_rmse)

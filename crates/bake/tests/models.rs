@@ -48,7 +48,9 @@ fn bake_packed(source: &Path, to: &Path, packs: bool) -> Written {
     let session = Session::build(scene.geometry, &settings).unwrap();
     let places = Places::of(session.geometry(), &sheets, false, 1, Facing::default());
     let budget = session.plan().budget;
-    let baked = bake_maps(&session, &[], &places, budget, &MapOptions::default(), Control::none()).unwrap();
+    let baked =
+        bake_maps(&session, &[], &places, budget, &MapOptions::default(), Control::none(), &mut |_| {})
+            .unwrap();
     let document = Document::open(&fs::read(source).unwrap()).unwrap();
     let vertices: Vec<&[u32]> = session
         .geometry()

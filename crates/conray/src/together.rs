@@ -4,7 +4,7 @@ use crate::{Error, Outcome, Session, Work};
 use conray_core::{Layout, SurfacePoint};
 use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Method};
 use conray_target::Target;
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 
 /// Scattered points that share: fewer make no surface,
 const FEWEST_POINTS: usize = 256;
@@ -39,6 +39,29 @@ impl Session {
             Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, budget, target.points(), start, control)),
             None => self.run_within(&plan, target.points(), control),
         }
+    }
+
+    /// The same by method `hybrid`, going on with the work that a file keeps, where there is one, and keeping it there at the end and when stopped: in the
+    /// end the bits are those of unbroken work. What does not share is not kept.
+    ///
+    /// # Errors
+    /// [`Error::StateFile`] and [`Error::State`] of a file that cannot be gone on with, [`Error::Target`] where it cannot be written.
+    pub fn run_target_kept<T: Target>(
+        &self,
+        budget: Budget,
+        target: &T,
+        control: Control<'_>,
+        path: &Path,
+    ) -> Result<Outcome, Error> {
+        let start = Instant::now();
+        let (plan, points) = (AoPlan { budget, ..self.plan.clone() }, target.points());
+        let Some(begun) = self.hybrid(&plan, target) else {
+            return self.run_within(&plan, points, control);
+        };
+        let mut hybrid = self.load(begun, &plan, points, path)?;
+        let outcome = self.run_hybrid(&mut hybrid, budget, points, start, control);
+        self.save(&hybrid, &plan, points, path)?;
+        Ok(outcome)
     }
 
     /// Goes on with a refinement until a budget is spent: rays of all work on it, seconds since `start`.

@@ -22,7 +22,7 @@ use conray::{
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
-use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps_told};
+use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
 use output::Output;
 use std::{
     path::{Path, PathBuf},
@@ -98,9 +98,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     let chosen = args.scope().apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
     let Scene { name, geometry, origins, sources, .. } = scene;
     let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
-    if for_vertices && (args.state.is_some() || args.preview.is_some()) {
-        return Err(Failure::Request("--state and --preview: are for maps, not for vertices".into()));
-    }
+    check_use(for_vertices, output.as_ref())?;
     let sheets = if for_vertices {
         Sheets::default()
     } else {
@@ -162,7 +160,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     let baked = observed(interrupted, reporter, |control| {
         let budget = session.plan().budget;
         let mut refine = |maps: &[AtlasMap]| preview.iter_mut().for_each(|preview| preview.refine(maps));
-        Ok(bake_maps_told(&session, &apart, &places, budget, &map_options, control, &mut refine)?)
+        Ok(bake_maps(&session, &apart, &places, budget, &map_options, control, &mut refine)?)
     })?;
     if let Some(preview) = preview {
         preview.end(&baked.maps)?;
@@ -196,6 +194,40 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     });
     stop_if(interrupted, "what was done by then has been written")?;
     explain::check(args.ao.strict, missed)
+}
+
+/// Refuses options that were given and would do nothing.
+fn check_use(for_vertices: bool, output: Option<&Output>) -> Result<(), Failure> {
+    const OF_MAPS: [&str; 10] = [
+        "size",
+        "no-unwrap",
+        "padding",
+        "supersample",
+        "bits",
+        "bent-normals",
+        "shared",
+        "pack",
+        "preview",
+        "state",
+    ];
+    const OF_VERTICES: [&str; 3] = ["attribute", "samples-per-triangle", "smoothness"];
+    let given = job::given();
+    let first = |options: &[&'static str]| options.iter().copied().find(|option| given.get(option).is_some());
+    let refuse = |option: &str, what: &str| Err(Failure::Request(format!("--{option}: {what}")));
+    match (for_vertices, output) {
+        (true, _) if let Some(option) = first(&OF_MAPS) => refuse(option, "is for maps, not for vertices"),
+        (true, Some(Output::Ply | Output::Obj)) if let Some(option) = first(&["attribute"]) => {
+            refuse(option, "is for glTF alone")
+        }
+        (false, _) if let Some(option) = first(&OF_VERTICES) => {
+            refuse(option, "is for vertices, not for maps")
+        }
+        (false, Some(Output::Png | Output::Exr)) if let Some(option) = first(&["pack"]) => {
+            refuse(option, "is for glTF alone")
+        }
+        (false, Some(Output::Exr)) if let Some(option) = first(&["bits"]) => refuse(option, "an EXR has 32"),
+        _ => Ok(()),
+    }
 }
 
 /// Makes the folder of kept work, or refuses one that could not be used, before any work.

@@ -11,10 +11,13 @@ use conray::{
     target::{self, AtlasMap, PngDepth},
 };
 use conray_bake::{
-    Document, Origins, PngOptions, Sheets, Uvs, bent_png, file_names, png, write_mapped_obj, write_model,
-    write_mtl,
+    Document, Origins, PngOptions, Sheets, Uvs, Written, bent_png, file_names, png, write_mapped_obj,
+    write_model, write_mtl,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::OsStr,
+    path::{Path, PathBuf},
+};
 
 /// What the output is.
 pub(super) enum Output {
@@ -95,14 +98,11 @@ impl Output {
         let names = file_names(sheets);
         let mut files = Vec::new();
         if args.bent_normals {
-            for (name, map) in names.iter().zip(maps) {
+            let beside = map_paths(&to.with_file_name(format!("{stem}.png")), &names);
+            for (path, map) in beside.iter().zip(maps) {
                 let bytes = bent_png(map, depth);
-                let name = if maps.len() == 1 {
-                    format!("{stem}-bent.png")
-                } else {
-                    format!("{stem}-{name}-bent.png")
-                };
-                let path = to.with_file_name(name);
+                let name = path.file_stem().map(|name| name.to_string_lossy()).unwrap_or_default();
+                let path = path.with_file_name(format!("{name}-bent.png"));
                 target::write_atomically(&path, |out| out.write_all(&bytes))?;
                 files.push(path);
             }
@@ -112,27 +112,14 @@ impl Output {
                 let origins = Origins { instances: of.0, vertices: of.1 };
                 let written = write_model(&to, &args.model(), document, &origins, sheets, maps, options)
                     .map_err(|e| Failure::Work(format!("{}: {e}", to.display())))?;
-                for map in written.not_packed {
-                    let message = format!("occlusion is an image of its own: {map}");
-                    reporter.event(Event::Warning { message });
-                }
-                for name in written.not_copied {
-                    let message = format!("{name}, which the model names, is not copied; copy it by hand");
-                    reporter.event(Event::Warning { message });
-                }
+                tell_lacks(&written, reporter);
                 files.extend(written.files);
             }
             // Refused before: these hold no maps.
             Self::Ply | Self::Obj => {}
             Self::Png | Self::Exr => {
-                let ending = if matches!(self, Self::Png) { "png" } else { "exr" };
-                for (name, map) in names.iter().zip(maps) {
-                    // Under the name asked for where there is one map, else with the map's name in it.
-                    let path = match maps.len() {
-                        1 => to.clone(),
-                        _ => to.with_file_name(format!("{stem}-{name}.{ending}")),
-                    };
-                    if ending == "png" {
+                for (path, map) in map_paths(&to, &names).into_iter().zip(maps) {
+                    if matches!(self, Self::Png) {
                         let bytes = png(map, options);
                         target::write_atomically(&path, |out| out.write_all(&bytes))?;
                     } else {
@@ -156,6 +143,28 @@ impl Output {
             }
         }
         Ok(files)
+    }
+}
+
+/// Files of maps: under the name asked for where there is one map, else with the map's name in it.
+pub(super) fn map_paths(to: &Path, names: &[String]) -> Vec<PathBuf> {
+    let part =
+        |part: Option<&OsStr>| part.map(|part| part.to_string_lossy().into_owned()).unwrap_or_default();
+    let (stem, ending) = (part(to.file_stem()), part(to.extension()));
+    match names {
+        [_] => vec![to.to_path_buf()],
+        _ => names.iter().map(|name| to.with_file_name(format!("{stem}-{name}.{ending}"))).collect(),
+    }
+}
+
+/// Warns of what a model was to have and has not.
+pub(super) fn tell_lacks(written: &Written, reporter: &Reporter) {
+    for map in &written.not_packed {
+        reporter.event(Event::Warning { message: format!("occlusion is an image of its own: {map}") });
+    }
+    for name in &written.not_copied {
+        let message = format!("{name}, which the model names, is not copied; copy it by hand");
+        reporter.event(Event::Warning { message });
     }
 }
 

@@ -89,7 +89,7 @@ fn foreseen(
     let Some(tried) = tried.filter(|tried| places.atlas.reads(tried) > 0.0) else { return Ok(None) };
     let budget = conray::Budget { seconds: None, ..session.plan().budget };
     let only = MapOptions { only: Some(tried.clone()), state: None, ..options.clone() };
-    let baked = bake_maps(session, apart, places, budget, &only, Control::none())?;
+    let baked = bake_maps(session, apart, places, budget, &only, Control::none(), &mut |_| {})?;
     let work = Work::of_parts(&baked.parts);
     let found = work.map(|work| work.seconds * reads / places.atlas.reads(tried));
     Ok(found.map(|found| session.plan().budget.seconds.map_or(found, |most| found.min(most))))

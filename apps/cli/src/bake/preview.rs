@@ -1,5 +1,6 @@
 //! `--preview`: what a bake will look like, at once, refined while it goes on.
 
+use super::output::map_paths;
 use crate::{args::BakeArgs, failure::Failure};
 use conray::{
     Budget, Control, Session,
@@ -53,14 +54,10 @@ impl Preview {
             Budget::rays(FIRST_RAYS),
             &MapOptions { state: None, ..options.clone() },
             Control::none(),
+            &mut |_| {},
         )?
         .maps;
-        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let name = |name: &String| match maps.len() {
-            1 => path.to_path_buf(),
-            _ => path.with_file_name(format!("{stem}-{name}.png")),
-        };
-        let paths = file_names(sheets).iter().map(name).collect();
+        let paths = map_paths(path, &file_names(sheets));
         let preview = Self { paths, maps, written: Instant::now() };
         preview.write()?;
         Ok(preview)

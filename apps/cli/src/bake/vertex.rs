@@ -1,6 +1,9 @@
 //! `conray bake` to vertices.
 
-use super::{job, output::Output};
+use super::{
+    job,
+    output::{Output, tell_lacks},
+};
 use crate::{
     args::BakeArgs,
     explain,
@@ -8,9 +11,9 @@ use crate::{
     render::{observed, stop_if},
     report::{self, Reporter},
 };
-use conray::{Event, Session, Work, scene::Origin};
+use conray::{Session, Work, scene::Origin, target::Target};
 use conray_bake::{
-    Apart, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
+    Apart, Memory, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
     write_vertex_model,
 };
 use serde_json::json;
@@ -37,8 +40,12 @@ pub(super) fn run(
     let slots = Slots::of(session, of.receivers, &objects(session.geometry(), of.origins));
     let facing = args.facing();
     let target = VertexTarget::new(session, slots, &args.vertex.settings(), facing)?;
+    let limit = args.ao.settings().max_memory;
+    let memory = Memory::of_points(target.points().len() as u64, session.memory_bytes(), limit).map_err(|needed| {
+        Failure::Request(format!("--max-memory: the points need {needed} bytes; allow more, or choose fewer --samples-per-triangle"))
+    })?;
     if args.dry_run {
-        return plan(of, &target, reporter);
+        return plan(of, &target, memory, reporter);
     }
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     let mut baked = observed(interrupted, reporter, |control| {
@@ -111,10 +118,7 @@ fn write(
                 attribute,
             )
             .map_err(|e| Failure::Work(format!("{}: {e}", to.display())))?;
-            for name in written.not_copied {
-                let message = format!("{name}, which the model names, is not copied; copy it by hand");
-                reporter.event(Event::Warning { message });
-            }
+            tell_lacks(&written, reporter);
             return Ok(written.files);
         }
         Some(Output::Ply) => write_ply(&to, geometry, slots, &baked.values)?,
@@ -125,12 +129,8 @@ fn write(
 }
 
 /// `--dry-run`: how much there is to do.
-fn plan(of: &Of<'_>, target: &VertexTarget, reporter: &Reporter) -> Result<(), Failure> {
-    use conray::target::Target;
-    /// Bytes of a point while it is estimated, and of what is built of it.
-    const BYTES_PER_POINT: u64 = 340;
+fn plan(of: &Of<'_>, target: &VertexTarget, memory: u64, reporter: &Reporter) -> Result<(), Failure> {
     let (points, values) = (target.points().len(), target.slots().count());
-    let memory = of.session.memory_bytes() + points as u64 * BYTES_PER_POINT;
     let lines = [
         format!("{}: {values} values, {points} points, AO distance {}", of.name, of.session.plan().distance),
         format!("memory: about {}", report::bytes(memory)),

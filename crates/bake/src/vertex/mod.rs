@@ -19,6 +19,7 @@ mod solve;
 mod values;
 mod write;
 
+pub(crate) use plain::title;
 pub use plain::{write_obj, write_ply};
 pub use run::{VertexBake, bake_vertices};
 pub use samples::{VertexSettings, VertexTarget};

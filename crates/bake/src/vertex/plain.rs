@@ -92,7 +92,7 @@ pub fn write_obj(
         let (mut vertex, mut normal) = (1, 1);
         for surface in slots.surfaces() {
             let world = World::of(geometry, surface);
-            writeln!(out, "o {}", title(geometry, surface))?;
+            writeln!(out, "o {}", title(geometry, surface.instance))?;
             for (at, &slot) in surface.slots.iter().enumerate() {
                 let (Vec3 { x, y, z }, grey) = (world.position(at), values.visibility[slot as usize]);
                 writeln!(out, "v {x} {y} {z} {grey} {grey} {grey}")?;
@@ -117,10 +117,10 @@ pub fn write_obj(
 }
 
 /// Name of an instance, else of its mesh, else its number, in one line.
-fn title(geometry: &Geometry, surface: &SlotSurface) -> String {
-    let names = [&geometry.instances()[surface.instance as usize].name, &mesh(geometry, surface).name];
+pub(crate) fn title(geometry: &Geometry, instance: u32) -> String {
+    let names = [&geometry.instances()[instance as usize].name, &geometry.mesh_of(instance as usize).name];
     let name = names.into_iter().map(|name| name.split_whitespace().collect::<Vec<_>>().join(" "));
-    name.into_iter().find(|name| !name.is_empty()).unwrap_or_else(|| format!("surface {}", surface.instance))
+    name.into_iter().find(|name| !name.is_empty()).unwrap_or_else(|| format!("surface {instance}"))
 }
 
 fn mesh<'a>(geometry: &'a Geometry, surface: &SlotSurface) -> &'a TriangleMesh {
