@@ -55,6 +55,8 @@ fn patterns_and_objects_say_what_occludes() {
     assert!(low[0] > 0.99, "beyond the distance: {low:?}");
     refused(&dir, &["pair.obj", "-o", "m.png", "--receivers", "Lid"], 2, "there are floor, lid");
     refused(&dir, &["pair.obj", "-o", "m.png", "--ground", "deep"], 2, "height");
+    let voxels = ["pair.obj", "-o", "m.png", "--ignore-backfaces", "all", "--method", "cones"];
+    refused(&dir, &voxels, 2, "voxels have no backs");
 }
 
 #[test]

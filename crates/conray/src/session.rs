@@ -100,7 +100,8 @@ impl Session {
         Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report })
     }
 
-    /// A session of some instances alone, with the same plan and threads; the octree as fine as for the whole scene.
+    /// A session of some instances alone, with the same plan and threads; its octree has as many leaves along its longest side as that of the
+    /// whole scene.
     ///
     /// # Errors
     /// What a build refuses.

@@ -18,7 +18,7 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
+    AoSettings, Backs, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
@@ -91,11 +91,19 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     check_state(args, &settings)?;
     let mut scene = scene::load(&model, &scene::Limits::default())?;
     reporter.scene_warnings(&scene);
+    let scope = args.scope();
+    if scope.backs != Backs::Block && settings.method.needs_octree() {
+        let what = format!(
+            "--ignore-backfaces: voxels have no backs; needs --method rays or hybrid, not {}",
+            settings.method
+        );
+        return Err(Failure::Request(what));
+    }
     // What is chosen or added does not change the distance.
     let distance = settings.distance.in_world(scene.geometry.bounds().diagonal());
     let settings = AoSettings { distance: definite(settings.distance, distance), ..settings };
     let shown: Vec<u32> = scene.geometry.instances().iter().map(|instance| instance.mesh).collect();
-    let chosen = args.scope().apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
+    let chosen = scope.apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
     let Scene { name, geometry, origins, sources, .. } = scene;
     let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
     check_use(for_vertices, output.as_ref())?;
