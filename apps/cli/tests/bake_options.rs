@@ -153,7 +153,7 @@ fn a_preview_ends_as_the_map() {
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     assert_eq!(fs::read(dir.path().join("p.png")).unwrap(), fs::read(dir.path().join("m.png")).unwrap());
     refused(&dir, &[&words[..], &["--preview", "m.png"]].concat(), 2, "is the output too");
-    refused(&dir, &[&words[..], &["--preview", "p.jpg"]].concat(), 2, "must end in .png");
+    refused(&dir, &[&words[..], &["--preview", "p.jpg"]].concat(), 2, "must end in .png, for maps");
     refused(&dir, &[&words[..], &["--preview", "nowhere/p.png"]].concat(), 1, "nowhere");
 }
 
@@ -171,46 +171,50 @@ fn a_preview_is_there_before_the_work_ends() {
     assert!(dir.path().join("p.png").exists() && dir.path().join("m.png").exists());
 }
 
+/// Stops a bake into a folder of kept work, goes on, and compares with an unbroken one.
+#[cfg(unix)]
+fn resumes(dir: &TempDir, ending: &str, options: &[&str]) {
+    let [broken, whole] = ["a", "b"].map(|stem| format!("{stem}.{ending}"));
+    let work = format!("work-{ending}-{}", options.len());
+    let words = |out: &str, state: &[&str]| {
+        let words = ["bake", "pair.obj", "-o", out, "--distance", "4", "--json"];
+        command(dir, &[&words, options, state].concat())
+    };
+    let state = ["--state", &work];
+    let stopped = support::interrupted(words(&broken, &state), r#""event":"progress""#);
+    assert_eq!(stopped.status.code(), Some(1), "{}", err(&stopped));
+    assert!(fs::read_dir(dir.path().join(&work)).unwrap().count() > 0);
+    for (out, state) in [(&broken, &state[..]), (&whole, &[])] {
+        let done = words(out, state).output().unwrap();
+        assert_eq!(done.status.code(), Some(0), "{}", err(&done));
+    }
+    let bytes = |name: &str| fs::read(dir.path().join(name)).unwrap();
+    assert!(bytes(&broken) == bytes(&whole), "{options:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn interrupted_and_resumed_bakes_give_the_bits_of_unbroken_ones() {
     let dir = folder();
     floor_and_lid(dir.path());
-    let words = |out: &'static str, state: &'static [&str]| {
-        let all = [
-            "bake",
-            "pair.obj",
-            "-o",
-            out,
-            "--size",
-            "96",
-            "--rays",
-            "4096",
-            "--distance",
-            "4",
-            "--bits",
-            "16",
-            "--json",
-        ];
-        [&all[..], state].concat()
-    };
-    assert_eq!(command(&dir, &words("whole.png", &[])).output().unwrap().status.code(), Some(0));
-    let state = &["--state", "work", "--max-memory", "16M"];
-    let stopped = support::interrupted(command(&dir, &words("a.png", state)), r#""event":"progress""#);
-    assert_eq!(stopped.status.code(), Some(1), "{}", err(&stopped));
-    assert!(fs::read_dir(dir.path().join("work")).unwrap().count() > 0);
-    let resumed = command(&dir, &words("a.png", state)).output().unwrap();
-    assert_eq!(resumed.status.code(), Some(0), "{}", err(&resumed));
-    let unbroken = command(&dir, &words("b.png", &["--max-memory", "16M"])).output().unwrap();
-    assert_eq!(unbroken.status.code(), Some(0), "{}", err(&unbroken));
-    let bytes = |name: &str| fs::read(dir.path().join(name)).unwrap();
-    assert_eq!(bytes("a.png"), bytes("b.png"));
+    let maps = ["--size", "96", "--rays", "4096", "--bits", "16"];
+    resumes(&dir, "png", &[&maps[..], &["--max-memory", "16M"]].concat());
+    resumes(&dir, "png", &[&maps[..], &["--self-only"]].concat());
+    let vertices = ["--samples-per-triangle", "256", "--rays", "32768"];
+    resumes(&dir, "ply", &vertices);
+    resumes(&dir, "ply", &[&vertices[..], &["--self-only"]].concat());
+}
+
+#[test]
+fn options_that_would_do_nothing_are_refused() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let kept = ["pair.obj", "-o", "c.png", "--size", "96", "--rays", "4", "--state", "work"];
+    assert_eq!(bake(&dir, &kept).status.code(), Some(0));
     let other =
         ["pair.obj", "-o", "c.png", "--size", "96", "--distance", "3", "--rays", "64", "--state", "work"];
     refused(&dir, &other, 2, "--state");
-    refused(&dir, &[&other[..], &["--self-only"]].concat(), 2, "stand apart");
     refused(&dir, &[&other[..], &["--method", "rays"]].concat(), 2, "needs --method hybrid");
-    refused(&dir, &["pair.obj", "-o", "v.ply", "--state", "work"], 2, "not for vertices");
     refused(&dir, &["pair.obj", "-o", "v.ply", "--size", "64"], 2, "--size: is for maps");
     refused(&dir, &["pair.obj", "-o", "m.png", "--smoothness", "1"], 2, "--smoothness: is for vertices");
     refused(&dir, &["pair.obj", "-o", "m.png", "--pack"], 2, "--pack: is for glTF alone");
@@ -325,6 +329,34 @@ fn vertices_carry_values_where_that_is_wanted() {
     refused(&dir, &["sail.glb", "-o", "v.png", "--to", "vertex"], 2, "images hold no vertices");
     refused(&dir, &["sail.glb", "-o", "v.ply", "--to", "texture"], 2, "no maps go into .ply");
     refused(&dir, &["sail.glb", "-o", "v.ply", "--smoothness", "-1"], 2, "smoothness");
+}
+
+#[test]
+fn a_preview_of_vertices_ends_as_the_values() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let words = ["pair.obj", "-o", "v.ply", "--rays", "64", "--distance", "4"];
+    let output = bake(&dir, &[&words[..], &["--preview", "p.ply"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(fs::read(dir.path().join("p.ply")).unwrap(), fs::read(dir.path().join("v.ply")).unwrap());
+    refused(&dir, &[&words[..], &["--preview", "p.png"]].concat(), 2, "must end in .ply, for vertices");
+}
+
+#[test]
+fn maps_are_as_large_as_a_density_says() {
+    let dir = folder();
+    floor_and_lid(dir.path());
+    // The floor has a side of 1, which is 0.4 of the map across and 0.9 up.
+    let words = ["pair.obj", "-o", "m.png", "--rays", "4"];
+    let output = bake(&dir, &[&words[..], &["--density", "50", "--json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let map = conray::target::read_png(dir.path().join("m.png")).unwrap();
+    assert_eq!((map.width, map.height), (128, 56));
+    assert!(out(&output).contains(r#""sizes":[[128,56]]"#), "{}", out(&output));
+    refused(&dir, &[&words[..], &["--density", "1e5"]].concat(), 2, "--density: the map of");
+    refused(&dir, &[&words[..], &["--density", "0"]].concat(), 2, "more than 0");
+    refused(&dir, &[&words[..], &["--density", "9", "--size", "64"]].concat(), 2, "cannot be used with");
+    refused(&dir, &["pair.obj", "-o", "v.ply", "--density", "9"], 2, "--density: is for maps");
 }
 
 #[test]

@@ -125,7 +125,7 @@ impl Mapped {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Unwrap;
+    use crate::{MapExtent, Unwrap};
     use conray_core::{Affine3A, Material, TriangleMesh};
     use conray_scene::{Limits, load};
     use conray_target::MapSize;
@@ -153,7 +153,7 @@ mod tests {
     fn what_is_written_is_read_back_with_the_uvs_of_the_maps() {
         let geometry = geometry();
         let size = MapSize { width: 32, height: 32 };
-        let sheets = Sheets::of(&geometry, &[0, 1], size, Unwrap::Yes);
+        let sheets = Sheets::of(&geometry, &[0, 1], MapExtent::Size(size), Unwrap::Yes);
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("m.obj");
         let names = crate::file_names(&sheets);

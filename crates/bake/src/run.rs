@@ -1,7 +1,11 @@
 //! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
 
-use crate::{Apart, Buried, Places, answers::Answers, shares::Shares};
-use conray::{Budget, Control, Ended, Error, Session, Work};
+use crate::{
+    Apart, Buried, Places,
+    answers::{Answers, Asked, mark_stopped},
+    shares::Shares,
+};
+use conray::{Budget, Control, Error, Session, Work};
 use conray_target::{AtlasMap, Portion, SeamReport, Target, fill, level};
 use std::path::PathBuf;
 
@@ -12,7 +16,7 @@ pub struct MapOptions {
     pub padding: Option<u32>,
     /// Places that are asked about together at most: what is known of them takes some 400 bytes each.
     pub portion: u64,
-    /// A folder in which the work on each portion is kept, to go on with; only for method `hybrid`, and not where objects stand apart.
+    /// A folder in which the work on each portion is kept, to go on with; only for method `hybrid`.
     pub state: Option<PathBuf>,
     /// Only this portion, to try; the maps then have no other values.
     pub only: Option<Portion>,
@@ -67,6 +71,7 @@ pub fn bake_maps(
         Some(only) => vec![only.clone()],
         None => places.atlas.portions(options.portion)?,
     };
+    let asked = Asked { session, apart, looks_inside: places.facing.inside };
     let mut maps = places.atlas.maps();
     let mut overlaps = vec![0.0; maps.len()];
     let mut buried = Buried::new(session.geometry());
@@ -82,21 +87,11 @@ pub fn bake_maps(
         for (part, overlap) in portion.parts.iter().zip(target.overlaps()) {
             overlaps[part.map] += overlap;
         }
+        let of = |&surface: &u32| places.instances[surface as usize];
+        let instances: Vec<u32> = target.surfaces().iter().map(of).collect();
+        let kept = options.state.as_ref().map(|folder| folder.join(format!("portion-{k}.state")));
         let answers = shares.next(control, |budget, control| {
-            let answers = match apart {
-                [] => match &options.state {
-                    None => Answers::of(session, &target, budget, control, places.facing)?,
-                    Some(folder) => {
-                        let path = folder.join(format!("portion-{k}.state"));
-                        Answers::kept(session, &target, budget, control, places.facing, &path)?
-                    }
-                },
-                _ => {
-                    let of = |&surface: &u32| places.instances[surface as usize];
-                    let instances: Vec<u32> = target.surfaces().iter().map(of).collect();
-                    Answers::apart(apart, &target, &instances, budget, control, places.facing)?
-                }
-            };
+            let answers = asked.answers(&target, &instances, budget, control, kept.as_deref())?;
             Ok::<_, Error>((answers.seconds(), answers))
         })?;
         let Answers { estimates, inside, works } = answers;
@@ -109,12 +104,7 @@ pub fn bake_maps(
             told(&maps);
         }
     }
-    if control.is_cancelled()
-        && let Some(last) = parts.last_mut()
-    {
-        // Also where it was stopped between portions.
-        (last.completed, last.ended) = (false, Ended::Cancelled);
-    }
+    mark_stopped(&mut parts, control);
     let (buried, taken) = buried.take_from(&mut maps);
     let seams = session.install(|| {
         let seams = places.seams(session);

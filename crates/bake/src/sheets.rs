@@ -5,7 +5,7 @@
 //! one mesh, parts that were all laid out over the whole square - each gets a map of its own. Surfaces that no UV set of theirs suits
 //! are laid out together anew, or told with the reason.
 
-use crate::{NewUvs, unwrap::unwrapped};
+use crate::{MapExtent, NewUvs, unwrap::unwrapped};
 use conray_core::{Geometry, Vec2};
 use conray_target::{MapSize, Surface, UvUse};
 use rayon::prelude::*;
@@ -138,8 +138,8 @@ pub enum Unwrap {
 }
 
 impl Sheets {
-    /// Finds maps of that size for instances of a scene, by the UV sets that they have, or by new ones: then rows that are not needed are left out.
-    pub fn of(geometry: &Geometry, instances: &[u32], size: MapSize, unwrap: Unwrap) -> Self {
+    /// Finds maps for instances of a scene, by the UV sets that they have, or by new ones: then rows that are not needed are left out.
+    pub fn of(geometry: &Geometry, instances: &[u32], extent: MapExtent, unwrap: Unwrap) -> Self {
         let mut groups: Vec<(u32, Vec<u32>)> = Vec::new();
         for &instance in instances {
             let material = geometry.mesh_of(instance as usize).material;
@@ -151,13 +151,13 @@ impl Sheets {
         groups.sort_by_key(|(material, _)| *material);
         let mut found = Self::default();
         for (material, group) in groups {
-            found.add(geometry, material, group, size, unwrap);
+            found.add(geometry, material, group, extent, unwrap);
         }
         found
     }
 
     /// The same where instances that show one mesh of one material share what is baked for the first of them.
-    pub fn shared(geometry: &Geometry, instances: &[u32], size: MapSize, unwrap: Unwrap) -> Self {
+    pub fn shared(geometry: &Geometry, instances: &[u32], extent: MapExtent, unwrap: Unwrap) -> Self {
         let mut first: BTreeMap<u32, u32> = BTreeMap::new();
         let of = |instance: u32| geometry.instances()[instance as usize].mesh;
         for &instance in instances {
@@ -165,7 +165,7 @@ impl Sheets {
         }
         let (firsts, copies): (Vec<u32>, Vec<u32>) =
             instances.iter().partition(|&&instance| first[&of(instance)] == instance);
-        let mut found = Self::of(geometry, &firsts, size, unwrap);
+        let mut found = Self::of(geometry, &firsts, extent, unwrap);
         for sheet in &mut found.sheets {
             let place = |copy: u32| {
                 Some((copy, sheet.instances.iter().position(|&instance| instance == first[&of(copy)])?))
@@ -175,12 +175,24 @@ impl Sheets {
         found
     }
 
-    fn add(&mut self, geometry: &Geometry, material: u32, group: Vec<u32>, size: MapSize, unwrap: Unwrap) {
+    fn add(
+        &mut self,
+        geometry: &Geometry,
+        material: u32,
+        group: Vec<u32>,
+        extent: MapExtent,
+        unwrap: Unwrap,
+    ) {
         let known = geometry.materials().get(material as usize).map(|material| material.name.clone());
         let name = known.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material {material}"));
         let sheet = |name, uv_set, instances: Vec<u32>| {
             let away = |&instance: &u32| tiles(geometry, instance, uv_set).any(|tile| tile != Vec2::ZERO);
             let repeats = instances.iter().any(away);
+            let uvs: Vec<(u32, Vec<[Vec2; 3]>)> = instances
+                .iter()
+                .map(|&instance| (instance, corner_uvs(geometry, instance, uv_set)))
+                .collect();
+            let size = extent.by(geometry, &uvs);
             Sheet { name, material, uvs: Uvs::Set(uv_set), instances, copies: Vec::new(), size, repeats }
         };
         if let Ok(uv_set) = usable(geometry, &group) {
@@ -216,7 +228,7 @@ impl Sheets {
                 .filter(|&instance| sets(instance) == set)
                 .collect();
             let name = if counts.len() > 1 { format!("{name}-uv{set}") } else { name.clone() };
-            match unwrapped(geometry, &alike, size) {
+            match unwrapped(geometry, &alike, extent) {
                 Ok((size, of)) => {
                     let uvs = Uvs::New { set, of };
                     let (instances, copies) = (alike, Vec::new());
@@ -310,6 +322,7 @@ mod tests {
     const OUTSIDE: [[f32; 2]; 3] = [[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
     const LINE: [[f32; 2]; 3] = [[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]];
     const SIZE: MapSize = MapSize { width: 64, height: 32 };
+    const EXTENT: MapExtent = MapExtent::Size(SIZE);
 
     fn geometry(meshes: &[(&[[[f32; 2]; 3]], u32)], copies: usize) -> (Geometry, Vec<u32>) {
         let mut geometry = Geometry::default();
@@ -333,7 +346,7 @@ mod tests {
     #[test]
     fn surfaces_of_a_material_share_a_map_where_their_uvs_let_them() {
         let (geometry, instances) = geometry(&[(&[LEFT], 1), (&[RIGHT], 0), (&[LEFT], 0)], 1);
-        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
+        let found = Sheets::of(&geometry, &instances, EXTENT, Unwrap::No);
         assert_eq!(names(&found), [("wood", 0, &[1, 2][..]), ("material 1", 0, &[0])]);
         assert!(found.unmapped.is_empty());
         let surfaces = found.surfaces(&geometry, true);
@@ -347,14 +360,14 @@ mod tests {
     #[test]
     fn copies_get_maps_of_their_own() {
         let (geometry, instances) = geometry(&[(&[LEFT], 0)], 2);
-        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
+        let found = Sheets::of(&geometry, &instances, EXTENT, Unwrap::No);
         assert_eq!(names(&found), [("wood-0", 0, &[0][..]), ("wood-1", 0, &[1])]);
         assert_eq!(found.sheets[0].size, SIZE);
     }
 
     #[test]
     fn many_surfaces_that_do_not_fit_together_are_laid_out_in_one_map() {
-        let size = MapSize { width: 64, height: 64 };
+        let size = MapExtent::Size(MapSize { width: 64, height: 64 });
         let (geometry, instances) = geometry(&[(&[LEFT], 0)], MOST_OWN + 1);
         let found = Sheets::of(&geometry, &instances, size, Unwrap::Yes);
         assert_eq!(names(&found), [("wood", 1, &[0, 1, 2, 3, 4][..])]);
@@ -365,7 +378,7 @@ mod tests {
     #[test]
     fn copies_share_a_map_where_that_is_wanted() {
         let (geometry, instances) = geometry(&[(&[LEFT], 0), (&[RIGHT], 0)], 2);
-        let found = Sheets::shared(&geometry, &instances, SIZE, Unwrap::No);
+        let found = Sheets::shared(&geometry, &instances, EXTENT, Unwrap::No);
         assert_eq!(names(&found), [("wood", 0, &[0, 2][..])]);
         assert_eq!(found.sheets[0].readers().collect::<Vec<_>>(), [(0, 0), (2, 1), (1, 0), (3, 1)]);
     }
@@ -373,14 +386,14 @@ mod tests {
     #[test]
     fn the_first_uv_set_that_suits_is_taken() {
         let (geometry, instances) = geometry(&[(&[OUTSIDE, LEFT], 0), (&[LEFT, RIGHT], 0)], 1);
-        assert_eq!(names(&Sheets::of(&geometry, &instances, SIZE, Unwrap::No)), [("wood", 1, &[0, 1][..])]);
+        assert_eq!(names(&Sheets::of(&geometry, &instances, EXTENT, Unwrap::No)), [("wood", 1, &[0, 1][..])]);
     }
 
     #[test]
     fn triangles_a_whole_tile_away_are_read_from_a_map_that_repeats() {
         let away = LEFT.map(|[u, v]| [u + 3.0, v - 1.0]);
         let (geometry, instances) = geometry(&[(&[away], 0), (&[RIGHT], 0)], 1);
-        let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
+        let found = Sheets::of(&geometry, &instances, EXTENT, Unwrap::No);
         assert_eq!(names(&found), [("wood", 0, &[0, 1][..])]);
         assert!(found.sheets[0].repeats);
         assert_eq!(found.surfaces(&geometry, false)[0].1.uvs[0], LEFT.map(Vec2::from_array));
@@ -389,7 +402,7 @@ mod tests {
     #[test]
     fn what_suits_nothing_is_laid_out_anew_where_that_is_wanted() {
         let (geometry, instances) = geometry(&[(&[OUTSIDE], 0), (&[LINE], 0), (&[], 0), (&[LEFT], 1)], 1);
-        let size = MapSize { width: 64, height: 64 };
+        let size = MapExtent::Size(MapSize { width: 64, height: 64 });
         let found = Sheets::of(&geometry, &instances, size, Unwrap::Yes);
         assert!(found.unmapped.is_empty());
         let expected = [("wood-uv0", 0, &[2][..]), ("wood-uv1", 1, &[0, 1]), ("material 1", 0, &[3])];
@@ -410,7 +423,7 @@ mod tests {
         ];
         for (sets, expected) in cases {
             let (geometry, instances) = geometry(&[(sets, 0)], 1);
-            let found = Sheets::of(&geometry, &instances, SIZE, Unwrap::No);
+            let found = Sheets::of(&geometry, &instances, EXTENT, Unwrap::No);
             assert!(found.sheets.is_empty());
             assert_eq!(found.unmapped[0].fault.to_string(), expected);
         }

@@ -1,5 +1,6 @@
 //! New UVs for surfaces that have none that suit.
 
+use crate::{MAX_MAP_SIDE, MapExtent, extent::world_corners};
 use conray_core::{Geometry, Vec2};
 use conray_target::MapSize;
 use uvunwrap::{Density, MeshInput, Options, generate};
@@ -25,7 +26,7 @@ impl NewUvs {
     }
 }
 
-/// Lays surfaces out together in a map of at most that size, in world units, so that texels are of one size on all of them. Tells the size that the
+/// Lays surfaces out together in a map of at most that size, or as large as it must be for a density, in world units, so that texels are of one size on all of them. Tells the size that the
 /// map has: rows that are not needed are left out.
 ///
 /// # Errors
@@ -33,7 +34,7 @@ impl NewUvs {
 pub(crate) fn unwrapped(
     geometry: &Geometry,
     instances: &[u32],
-    size: MapSize,
+    extent: MapExtent,
 ) -> Result<(MapSize, Vec<NewUvs>), String> {
     let meshes: Vec<(Vec<[f32; 3]>, Vec<u32>)> = instances
         .iter()
@@ -46,11 +47,25 @@ pub(crate) fn unwrapped(
         .collect();
     let inputs: Vec<MeshInput<'_>> =
         meshes.iter().map(|(positions, indices)| MeshInput::new(positions, indices)).collect();
-    let page_size = size.width.min(size.height);
-    let options = Options { density: Density::Auto { page_size }, padding: PADDING, ..Options::default() };
+    let (density, side) = match extent {
+        MapExtent::Size(size) => {
+            let page_size = size.width.min(size.height);
+            (Density::Auto { page_size }, page_size)
+        }
+        MapExtent::Density(texels_per_unit) => {
+            let side = (area(geometry, instances).sqrt() * f64::from(texels_per_unit)).ceil();
+            if side > f64::from(MAX_MAP_SIDE) {
+                return Err(format!(
+                    "it would need a map of {side} texels on each side; choose less --density"
+                ));
+            }
+            (Density::Fixed { texels_per_unit, page_size: None }, MAX_MAP_SIDE)
+        }
+    };
+    let options = Options { density, padding: PADDING, ..Options::default() };
     let atlas = generate(&inputs, &options).map_err(|e| e.to_string())?;
     if atlas.page_count > 1 {
-        return Err(format!("{} charts do not fit into one map of {page_size} texels", atlas.chart_count));
+        return Err(format!("{} charts do not fit into one map of {side} texels", atlas.chart_count));
     }
     let uvs = atlas.meshes.iter().map(|mesh| NewUvs {
         vertices: mesh.vertices.iter().map(|vertex| vertex.xref).collect(),
@@ -58,6 +73,19 @@ pub(crate) fn unwrapped(
         triangles: mesh.indices.as_chunks::<3>().0.to_vec(),
     });
     Ok((MapSize { width: atlas.width, height: atlas.height }, uvs.collect()))
+}
+
+/// World area of surfaces.
+fn area(geometry: &Geometry, instances: &[u32]) -> f64 {
+    let of = |&instance: &u32| {
+        let triangles = 0..geometry.mesh_of(instance as usize).triangles().len();
+        let area = |triangle| {
+            let [a, b, c] = world_corners(geometry, instance, triangle).map(|p| p.as_dvec3());
+            0.5 * (b - a).cross(c - a).length()
+        };
+        triangles.map(area).sum::<f64>()
+    };
+    instances.iter().map(of).sum()
 }
 
 #[cfg(test)]
@@ -74,6 +102,26 @@ mod tests {
         TriangleMesh::new((0..8).map(corner).collect(), triangles).unwrap()
     }
 
+    fn square(side: u32) -> MapExtent {
+        MapExtent::Size(MapSize { width: side, height: side })
+    }
+
+    #[test]
+    fn texels_are_as_large_as_the_density_says() {
+        let mut geometry = Geometry::default();
+        let mesh = geometry.add_mesh(solid()).unwrap();
+        geometry.add_instance(mesh, Affine3A::from_scale(Vec3::splat(3.0))).unwrap();
+        for density in [10.0, 40.0] {
+            let (size, found) = unwrapped(&geometry, &[0], MapExtent::Density(density)).unwrap();
+            let share = UvUse::of(&found[0].corners(), 16).area;
+            let texels = share * f64::from(size.width) * f64::from(size.height);
+            let expected = 6.0 * 9.0 * f64::from(density).powi(2);
+            assert!((texels / expected - 1.0).abs() < 0.02, "{texels} of {expected}");
+        }
+        let refused = unwrapped(&geometry, &[0], MapExtent::Density(1e5)).unwrap_err();
+        assert_eq!(refused, "it would need a map of 734847 texels on each side; choose less --density");
+    }
+
     #[test]
     fn surfaces_are_laid_out_without_overlap_and_in_one_density() {
         let mut geometry = Geometry::default();
@@ -81,7 +129,7 @@ mod tests {
         for scale in [1.0, 2.0] {
             geometry.add_instance(mesh, Affine3A::from_scale(Vec3::splat(scale))).unwrap();
         }
-        let (size, found) = unwrapped(&geometry, &[0, 1], MapSize { width: 256, height: 256 }).unwrap();
+        let (size, found) = unwrapped(&geometry, &[0, 1], square(256)).unwrap();
         assert!(size.width <= 256 && size.height <= 256);
         let all: Vec<[Vec2; 3]> = found.iter().flat_map(NewUvs::corners).collect();
         let judged = UvUse::of(&all, 512);
@@ -102,7 +150,7 @@ mod tests {
         let mut geometry = Geometry::default();
         let mesh = geometry.add_mesh(solid()).unwrap();
         let instance = geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
-        let found = unwrapped(&geometry, &[instance], MapSize { width: 1, height: 1 });
+        let found = unwrapped(&geometry, &[instance], square(1));
         assert!(found.is_err_and(|reason| !reason.is_empty()));
     }
 }

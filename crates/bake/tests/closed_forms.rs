@@ -1,7 +1,7 @@
 //! Baked texels against what geometry says, texel by texel.
 
 use conray::{AoSettings, Control, Distance, Session, Work};
-use conray_bake::{Facing, MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
+use conray_bake::{Facing, MapExtent, MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
 use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
 use conray_target::{AtlasMap, MapSize};
 use std::f32::consts::{PI, TAU};
@@ -26,7 +26,12 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, port
         geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
     let session = Session::build(geometry, settings).unwrap();
-    let sheets = Sheets::of(session.geometry(), &[0], MapSize { width: SIDE, height: SIDE }, Unwrap::No);
+    let sheets = Sheets::of(
+        session.geometry(),
+        &[0],
+        MapExtent::Size(MapSize { width: SIDE, height: SIDE }),
+        Unwrap::No,
+    );
     let places = Places::of(session.geometry(), &sheets, false, supersample, Facing::default());
     let options = MapOptions { portion, ..MapOptions::default() };
     let mut baked =

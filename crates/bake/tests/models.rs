@@ -2,8 +2,8 @@
 
 use conray::{AoSettings, Control, Session};
 use conray_bake::{
-    Document, Facing, Look, MapOptions, Origins, Places, PngOptions, Sheets, Unwrap, Written, bake_maps,
-    write_model,
+    Document, Facing, Look, MapExtent, MapOptions, Origins, Places, PngOptions, Sheets, Unwrap, Written,
+    bake_maps, write_model,
 };
 use conray_scene::{Limits, load};
 use conray_target::{MapSize, PngDepth};
@@ -44,7 +44,12 @@ fn bake_packed(source: &Path, to: &Path, packs: bool) -> Written {
     let scene = load(source, &Limits::default()).unwrap();
     let settings = AoSettings { rays: Some(64), ..AoSettings::default() };
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
-    let sheets = Sheets::of(&scene.geometry, &instances, MapSize { width: 16, height: 16 }, Unwrap::Yes);
+    let sheets = Sheets::of(
+        &scene.geometry,
+        &instances,
+        MapExtent::Size(MapSize { width: 16, height: 16 }),
+        Unwrap::Yes,
+    );
     let session = Session::build(scene.geometry, &settings).unwrap();
     let places = Places::of(session.geometry(), &sheets, false, 1, Facing::default());
     let budget = session.plan().budget;

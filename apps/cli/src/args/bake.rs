@@ -2,8 +2,8 @@
 
 use super::{AoArgs, RunArgs, parse::parse_side_or_size};
 use clap::{Args, ValueEnum, builder::PossibleValuesParser};
-use conray::Backs;
-use conray_bake::{Facing, Ground, Look, Scope, VertexAttribute, VertexSettings};
+use conray::{Backs, target::MapSize};
+use conray_bake::{Facing, Ground, Look, MapExtent, Scope, VertexAttribute, VertexSettings};
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Debug)]
@@ -23,7 +23,10 @@ pub(crate) struct BakeArgs {
     pub(crate) to: Option<ToArg>,
     /// Size of each map in texels, such as 2048 or 2048x1024
     #[arg(long, value_name = "N|WxH", default_value = "1024", value_parser = parse_side_or_size)]
-    pub(crate) size: (u32, u32),
+    size: (u32, u32),
+    /// Texels for each unit of length of the model, instead of a size: each map is as large as its surfaces need for that in the mean, up to 16384
+    #[arg(long, value_name = "X", conflicts_with = "size", value_parser = parse_density, allow_negative_numbers = true)]
+    density: Option<f32>,
     /// Makes no new UVs: refuses a model whose UVs lie over each other or reach over several tiles
     #[arg(long)]
     pub(crate) no_unwrap: bool,
@@ -45,10 +48,10 @@ pub(crate) struct BakeArgs {
     /// Copies of a mesh share one map, each occluded by its own node alone
     #[arg(long)]
     pub(crate) shared: bool,
-    /// Writes a picture of few rays first, .png, a map for each material, and refines it with each portion of the maps that is done
+    /// Writes a picture of few rays first: .png for maps, one for each material, refined with each portion of the maps that is done; .ply for vertices
     #[arg(long, value_name = "FILE")]
     pub(crate) preview: Option<PathBuf>,
-    /// Keeps the work in this folder, at the end and when interrupted, and goes on with what is there; only method hybrid, and for maps. The same
+    /// Keeps the work in this folder, at the end and when interrupted, and goes on with what is there; only method hybrid. The same
     /// --rays or --error then gives the same bits as without interruption, another goes on from there
     #[arg(long, value_name = "FOLDER")]
     pub(crate) state: Option<PathBuf>,
@@ -190,6 +193,17 @@ impl BakeArgs {
         self.output.clone().unwrap_or_default()
     }
 
+    /// How large maps are to be.
+    pub(crate) fn extent(&self) -> MapExtent {
+        let (width, height) = self.size;
+        self.density.map_or(MapExtent::Size(MapSize { width, height }), MapExtent::Density)
+    }
+
+    /// The option that says it.
+    pub(crate) fn extent_option(&self) -> &'static str {
+        if self.density.is_some() { "--density" } else { "--size" }
+    }
+
     pub(crate) fn scope(&self) -> Scope {
         let ScopeArgs { occluders, receivers, self_only, ground, ignore_backfaces } = &self.scope;
         Scope {
@@ -234,4 +248,9 @@ fn parse_ground(text: &str) -> Result<Ground, String> {
 fn parse_look(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|x: &f32| (0.0..=10.0).contains(x));
     value.ok_or_else(|| "expected a number from 0 to 10".into())
+}
+
+fn parse_density(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|x: &f32| *x > 0.0 && x.is_finite());
+    value.ok_or_else(|| "expected texels for each unit of length, more than 0".into())
 }

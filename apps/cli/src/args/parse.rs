@@ -1,6 +1,7 @@
 //! Values of options.
 
 use conray::Vec3;
+use conray_bake::MAX_MAP_SIDE;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parse = |side: &str| side.trim().parse().ok().filter(|&n| (1..=65536).contains(&n));
@@ -8,9 +9,6 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         .and_then(|(w, h)| Some((parse(w)?, parse(h)?)))
         .ok_or_else(|| "expected WIDTHxHEIGHT, each from 1 to 65536, such as 1280x720".into())
 }
-
-/// Largest side of a map that is baked.
-const MAX_MAP_SIDE: u32 = 16384;
 
 pub(super) fn parse_side_or_size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&n| (1..=MAX_MAP_SIDE).contains(&n));

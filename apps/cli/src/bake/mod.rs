@@ -22,7 +22,7 @@ use conray::{
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
-use conray_bake::{Apart, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
+use conray_bake::{Apart, MAX_MAP_SIDE, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
 use output::Output;
 use std::{
     path::{Path, PathBuf},
@@ -87,7 +87,9 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     if output.is_some() {
         target::check_writable(&to)?;
     }
-    preview::check(args)?;
+    let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
+    check_use(for_vertices, output.as_ref())?;
+    preview::check(args, for_vertices)?;
     check_state(args, &settings)?;
     let mut scene = scene::load(&model, &scene::Limits::default())?;
     reporter.scene_warnings(&scene);
@@ -105,8 +107,6 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     let shown: Vec<u32> = scene.geometry.instances().iter().map(|instance| instance.mesh).collect();
     let chosen = scope.apply(&mut scene, distance).map_err(|e| Failure::Request(e.to_string()))?;
     let Scene { name, geometry, origins, sources, .. } = scene;
-    let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
-    check_use(for_vertices, output.as_ref())?;
     let sheets = if for_vertices {
         Sheets::default()
     } else {
@@ -139,7 +139,8 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
         session.memory_bytes() + apart.iter().map(|apart| apart.session.memory_bytes()).sum::<u64>();
     let memory = Memory::within(&places, structures, settings.max_memory).map_err(|needed| {
         Failure::Request(format!(
-            "--max-memory: the maps need {needed} bytes; allow more, or choose a smaller --size"
+            "--max-memory: the maps need {needed} bytes; allow more, or choose less {}",
+            args.extent_option()
         ))
     })?;
     let map_options = MapOptions {
@@ -206,18 +207,8 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
 
 /// Refuses options that were given and would do nothing.
 fn check_use(for_vertices: bool, output: Option<&Output>) -> Result<(), Failure> {
-    const OF_MAPS: [&str; 10] = [
-        "size",
-        "no-unwrap",
-        "padding",
-        "supersample",
-        "bits",
-        "bent-normals",
-        "shared",
-        "pack",
-        "preview",
-        "state",
-    ];
+    const OF_MAPS: [&str; 9] =
+        ["size", "density", "no-unwrap", "padding", "supersample", "bits", "bent-normals", "shared", "pack"];
     const OF_VERTICES: [&str; 3] = ["attribute", "samples-per-triangle", "smoothness"];
     let given = job::given();
     let first = |options: &[&'static str]| options.iter().copied().find(|option| given.get(option).is_some());
@@ -245,9 +236,6 @@ fn check_state(args: &BakeArgs, settings: &AoSettings) -> Result<(), Failure> {
     if settings.method != Method::Hybrid {
         return refuse(format!("needs --method hybrid, not {}", settings.method));
     }
-    if args.scope().self_only {
-        return refuse("objects that stand apart keep no work; leave out --self-only and --shared".into());
-    }
     match std::fs::create_dir(folder) {
         Ok(()) => Ok(()),
         Err(_) if folder.is_dir() => Ok(()),
@@ -271,14 +259,13 @@ fn sheets_of(
     is_gltf: bool,
     output: Option<&Output>,
 ) -> Result<Sheets, Failure> {
-    let (width, height) = args.size;
-    let size = MapSize { width, height };
+    let extent = args.extent();
     // New UVs are of use only where they are written too: in the glTF, or in an OBJ beside the maps.
     let is_written = !is_gltf || matches!(output, Some(Output::Model(_)) | None);
     let unwrap = if is_written && !args.no_unwrap { Unwrap::Yes } else { Unwrap::No };
     let sheets = match args.shared {
-        true => Sheets::shared(geometry, receivers, size, unwrap),
-        false => Sheets::of(geometry, receivers, size, unwrap),
+        true => Sheets::shared(geometry, receivers, extent, unwrap),
+        false => Sheets::of(geometry, receivers, extent, unwrap),
     };
     if let Some(unmapped) = sheets.unmapped.first() {
         return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
@@ -287,10 +274,20 @@ fn sheets_of(
     Ok(sheets)
 }
 
+/// Refuses maps that are too large, each or together.
 fn check_size(args: &BakeArgs, sheets: &Sheets) -> Result<(), Failure> {
-    let ((width, height), count) = (args.size, sheets.sheets.len());
-    if count as u64 * u64::from(width) * u64::from(height) > MAX_TEXELS {
-        let what = format!("--size: {count} maps of {width} x {height} are too large; choose less");
+    let (option, count) = (args.extent_option(), sheets.sheets.len());
+    let sizes = || sheets.sheets.iter().map(|sheet| (&sheet.name, sheet.size));
+    let is_too_large = |size: MapSize| size.width.max(size.height) > MAX_MAP_SIDE;
+    if let Some((name, MapSize { width, height })) = sizes().find(|(_, size)| is_too_large(*size)) {
+        let what = format!(
+            "{option}: the map of {name} would be {width} x {height}, and {MAX_MAP_SIDE} is the most; choose less"
+        );
+        return Err(Failure::Request(what));
+    }
+    let texels: u64 = sizes().map(|(_, size)| u64::from(size.width) * u64::from(size.height)).sum();
+    if texels > MAX_TEXELS {
+        let what = format!("{option}: {count} maps of {texels} texels together are too large; choose less");
         return Err(Failure::Request(what));
     }
     Ok(())

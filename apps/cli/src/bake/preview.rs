@@ -12,8 +12,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Rays a texel of the first picture.
-const FIRST_RAYS: u32 = 2;
+/// Rays a texel of the first picture, or a point of vertices.
+pub(super) const FIRST_RAYS: u32 = 2;
 /// Pictures are written no oftener.
 const PAUSE: Duration = Duration::from_secs(2);
 
@@ -25,11 +25,13 @@ pub(super) struct Preview {
 }
 
 /// Refuses a file that could not be written, before any work.
-pub(super) fn check(args: &BakeArgs) -> Result<(), Failure> {
+pub(super) fn check(args: &BakeArgs, for_vertices: bool) -> Result<(), Failure> {
     let Some(path) = &args.preview else { return Ok(()) };
-    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-    if !is_png {
-        return Err(Failure::Request(format!("--preview {}: must end in .png", path.display())));
+    let expected = if for_vertices { "ply" } else { "png" };
+    if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case(expected)) {
+        let what = if for_vertices { "vertices" } else { "maps" };
+        let problem = format!("--preview {}: must end in .{expected}, for {what}", path.display());
+        return Err(Failure::Request(problem));
     }
     if *path == args.output() {
         return Err(Failure::Request(format!("--preview {}: is the output too", path.display())));

@@ -8,7 +8,7 @@ use crate::{
 };
 use conray::{
     Session, Work,
-    target::{AtlasMap, SeamReport},
+    target::{AtlasMap, MapSize, SeamReport},
 };
 use conray_bake::{Baked, MapOptions, Sheets};
 use serde_json::json;
@@ -46,7 +46,9 @@ pub(super) fn tell(told: &Told<'_>) {
     facts["plan"] = baked.parts.iter().map(|part| json!(part.explanation)).collect();
     facts["model"] = json!(told.name);
     facts["maps"] = told.sheets.sheets.iter().map(|sheet| json!(sheet.name)).collect();
-    facts["size"] = json!([args.size.0, args.size.1]);
+    facts["sizes"] =
+        told.sheets.sheets.iter().map(|sheet| json!([sheet.size.width, sheet.size.height])).collect();
+    facts["missing"] = json!(baked.maps.iter().map(AtlasMap::missing).sum::<usize>());
     facts["buried"] = json!(baked.buried);
     let SeamReport { places, within, rms, worst } = baked.seams;
     let bound = MapOptions::default().seam_bound;
@@ -66,8 +68,9 @@ fn mean(maps: &[AtlasMap]) -> Option<f64> {
     (count > 0).then(|| sum / count as f64)
 }
 
-fn lines(Told { name, args, session, sheets, baked, work, .. }: &Told<'_>) -> Vec<String> {
-    let (width, height) = args.size;
+fn lines(Told { name, session, sheets, baked, work, .. }: &Told<'_>) -> Vec<String> {
+    let side = |of: fn(&MapSize) -> u32| sheets.sheets.iter().map(|sheet| of(&sheet.size)).max();
+    let (width, height) = (side(|s| s.width).unwrap_or(0), side(|s| s.height).unwrap_or(0));
     let maps = if sheets.sheets.len() == 1 { "map" } else { "maps" };
     let mut lines = vec![format!(
         "{name}: {} triangles, {} {maps} of at most {width} x {height}, {} points, AO distance {}",

@@ -3,6 +3,7 @@
 use super::{
     job,
     output::{Output, tell_lacks},
+    preview::FIRST_RAYS,
 };
 use crate::{
     args::BakeArgs,
@@ -11,7 +12,7 @@ use crate::{
     render::{observed, stop_if},
     report::{self, Reporter},
 };
-use conray::{Session, Work, scene::Origin, target::Target};
+use conray::{Budget, Control, Session, Work, scene::Origin, target::Target};
 use conray_bake::{
     Apart, Memory, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
     write_vertex_model,
@@ -48,14 +49,24 @@ pub(super) fn run(
         return plan(of, &target, memory, reporter);
     }
     stop_if(interrupted, "before anything was estimated; no file was written")?;
+    let bake = |budget, control: Control<'_>, state| {
+        Ok::<_, Failure>(bake_vertices(session, apart, &target, facing, budget, control, state)?)
+    };
+    if let Some(preview) = &args.preview {
+        let first = bake(Budget::rays(FIRST_RAYS), Control::none(), None)?;
+        write_ply(preview, session.geometry(), target.slots(), &first.values)?;
+    }
     let mut baked = observed(interrupted, reporter, |control| {
-        Ok(bake_vertices(session, apart, &target, facing, session.plan().budget, control)?)
+        bake(session.plan().budget, control, args.state.as_deref())
     })?;
     let Some(work) = Work::of_parts(&baked.parts).filter(|work| work.points > 0) else {
         return Err(Failure::Input(format!("{}: no surface has an area", args.model().display())));
     };
     let visibility = &baked.values.visibility;
     let mean = visibility.iter().map(|&value| f64::from(value)).sum::<f64>() / visibility.len() as f64;
+    if let Some(preview) = &args.preview {
+        write_ply(preview, session.geometry(), target.slots(), &baked.values)?;
+    }
     let look = args.look();
     baked.values.visibility.iter_mut().for_each(|value| *value = look.of(*value));
     let files = write(of, &target, &baked, output, reporter)?;
