@@ -1,7 +1,7 @@
 //! What every loader must do with any input, for the fuzz targets and for the ordinary tests alike.
 
 use conray_core::Opacity;
-use conray_scene::{Format, Limits, Scene, SceneError, load_bytes};
+use conray_scene::{Extras, Format, Limits, Scene, SceneError, load_bytes_with};
 use std::io;
 
 /// Small enough that no input can slow the search down.
@@ -30,7 +30,8 @@ pub(crate) fn check(format: Format, input: &[u8]) -> Result<(), SceneError> {
         let part = if name.ends_with(".mtl") { materials } else { texture };
         part.map(<[u8]>::to_vec).ok_or_else(|| io::ErrorKind::NotFound.into())
     };
-    let load = || load_bytes("input", file, Some(format), &resolve, &limits());
+    let extras = Extras { tangents: true, normal_maps: true };
+    let load = || load_bytes_with("input", file, Some(format), &resolve, &limits(), extras);
     let scene = load()?;
     check_scene(&scene);
     assert_eq!(format!("{scene:?}"), format!("{:?}", load()?), "the same input gives the same scene");
@@ -47,6 +48,8 @@ fn check_scene(scene: &Scene) {
         assert!(mesh.normals().is_empty() || mesh.normals().len() == mesh.positions().len());
         assert!(mesh.normals().iter().all(|n| (n.length() - 1.0).abs() < 1e-3));
         assert!(mesh.uv_sets().iter().flatten().all(|uv| uv.is_finite()));
+        assert!(mesh.tangents().is_empty() || mesh.tangents().len() == mesh.normals().len());
+        assert!(mesh.tangents().iter().all(|tangent| tangent.is_finite() && tangent.w.abs() == 1.0));
         assert!((mesh.material as usize) < geometry.materials().len().max(1));
     }
     for instance in geometry.instances() {

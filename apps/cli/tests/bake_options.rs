@@ -93,7 +93,7 @@ fn bent_directions_lean_away_from_what_is_near() {
     let dir = folder();
     floor_and_lid(dir.path());
     let words =
-        ["pair.obj", "-o", "m.png", "--size", "64", "--rays", "256", "--bent-normals", "--distance", "4"];
+        ["pair.obj", "-o", "m.png", "--size", "64", "--rays", "256", "--distance", "4", "--bent-normals"];
     let output = bake(&dir, &words);
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     assert!(out(&output).contains("m-bent.png"), "{}", out(&output));
@@ -102,6 +102,14 @@ fn bent_directions_lean_away_from_what_is_near() {
     let at = |x: usize| bent[32 * 64 + x];
     assert!(at(4)[0] < 110 && at(28)[0] > 145, "{:?} {:?}", at(4), at(28));
     assert!(at(48)[1] > 250, "{:?}", at(48));
+    // The rim at z = 1 is at the top of the picture.
+    for (space, green) in [("tangent", 145..=255u8), ("tangent-dx", 0..=110)] {
+        let output = bake(&dir, &[&words[..], &[space]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+        let bent = image(&dir.path().join("m-bent.png"));
+        let [rim, top, lid] = [32 * 64 + 4, 5 * 64 + 16, 32 * 64 + 48].map(|at| bent[at]);
+        assert!(rim[0] < 110 && lid[2] > 250 && green.contains(&top[1]), "{space} {rim:?} {top:?} {lid:?}");
+    }
 }
 
 fn image(path: &Path) -> Vec<[u8; 3]> {
@@ -329,6 +337,35 @@ fn vertices_carry_values_where_that_is_wanted() {
     refused(&dir, &["sail.glb", "-o", "v.png", "--to", "vertex"], 2, "images hold no vertices");
     refused(&dir, &["sail.glb", "-o", "v.ply", "--to", "texture"], 2, "no maps go into .ply");
     refused(&dir, &["sail.glb", "-o", "v.ply", "--smoothness", "-1"], 2, "smoothness");
+}
+
+#[test]
+fn normals_of_normal_maps_count_where_that_is_wanted() {
+    // The floor's normals lean by an angle whose cosine is 0.7: an open floor then sees 0.85.
+    let dir = folder();
+    floor_and_lid(dir.path());
+    let path = dir.path().join("pair.obj");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("mtllib pair.mtl\nusemtl leaning\n{text}")).unwrap();
+    fs::write(dir.path().join("pair.mtl"), "newmtl leaning\nnorm n.png\n").unwrap();
+    let mut image = Vec::new();
+    let leaning = [[0.5 + 0.5 * 0.51f32.sqrt(), 0.5, 0.85]];
+    conray::target::encode_colour_png(&mut image, 1, 1, &leaning, conray::target::PngDepth::Eight).unwrap();
+    fs::write(dir.path().join("n.png"), image).unwrap();
+    let open = ["--occluders", "floor"];
+    assert!((middles(&dir, &open)[0] - 1.0).abs() < 0.005);
+    let mapped = middles(&dir, &[&open[..], &["--normal", "mapped"]].concat());
+    assert!((mapped[0] - 0.85).abs() < 0.01, "{mapped:?}");
+    let to_vertices = ["pair.obj", "-o", "v.ply", "--normal", "mapped", "--occluders", "floor", "--json"];
+    let output = bake(&dir, &to_vertices);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let mean = out(&output).split(r#""mean_visibility":"#).nth(1).unwrap()[..4].parse::<f32>().unwrap();
+    assert!((mean - 0.85).abs() < 0.02, "{mean}");
+    fs::remove_file(dir.path().join("n.png")).unwrap();
+    let words = ["pair.obj", "-o", "m.png", "--normal", "mapped"];
+    let output = bake(&dir, &words);
+    assert!(err(&output).contains("normal maps that could not be read"), "{}", err(&output));
+    refused(&dir, &words, 2, "no material of what is baked has a normal map");
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! How much memory a bake takes, before it takes it.
 
-use crate::{PORTION, Places};
+use crate::{BentSpace, PORTION, Places, bent::TexelPlaces};
 
 /// Bytes that a place of a portion takes while it is estimated: its point, tallies, guesses, answers. Measured by
 /// `conray bake` on a map of 2048 x 2048 of which three quarters are read, as peak memory over places.
-const BYTES_PER_PLACE: u64 = 340;
+const BYTES_PER_PLACE: u64 = 352;
 /// Bytes of a texel of a map: visibility, error, direction, whether it is read, and its file while it is written.
 const BYTES_PER_TEXEL: u64 = 32;
 /// Bytes of a triangle that a map is read by: its UVs, and its edges while seams are found.
@@ -37,11 +37,17 @@ impl Memory {
     ///
     /// # Errors
     /// The bytes that are needed at least.
-    pub fn within(places: &Places, structures: u64, limit: Option<u64>) -> Result<Self, u64> {
+    pub fn within(
+        places: &Places,
+        bent: BentSpace,
+        structures: u64,
+        limit: Option<u64>,
+    ) -> Result<Self, u64> {
         let texels: u64 =
             places.atlas.sizes.iter().map(|size| u64::from(size.width) * u64::from(size.height)).sum();
         let triangles: u64 = places.atlas.surfaces.iter().map(|surface| surface.uvs.len() as u64).sum();
-        let always = structures + texels * BYTES_PER_TEXEL + triangles * BYTES_PER_TRIANGLE;
+        let turning = if bent == BentSpace::Tangent { TexelPlaces::BYTES } else { 0 };
+        let always = structures + texels * (BYTES_PER_TEXEL + turning) + triangles * BYTES_PER_TRIANGLE;
         let parts = u64::from(places.atlas.supersample).pow(2);
         let most = PORTION.min(texels * parts);
         let least = most.min(LEAST_PORTION);

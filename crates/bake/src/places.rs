@@ -1,31 +1,9 @@
 //! From maps to the places where AO is asked for, and where a smooth surface is cut.
 
-use crate::Sheets;
+use crate::{Facing, Sheets, Uvs};
 use conray::Session;
-use conray_core::{Geometry, SurfacePoint, Vec2, Vec3};
+use conray_core::{Geometry, Vec2, Vec3};
 use conray_target::{Atlas, AtlasTarget, Corner, MapSize, Portion, Seam, Surface, seams};
-
-/// Which way points look.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Facing {
-    /// By the triangles' own normals, and not by those of their vertices.
-    pub flat: bool,
-    /// Into the surface: what is found is how thick the body is there, by the AO distance.
-    pub inside: bool,
-}
-
-impl Facing {
-    /// A point on the front of a surface, as it is to look.
-    pub fn turned(self, point: SurfacePoint) -> SurfacePoint {
-        let shading = if self.flat { point.geometric_normal } else { point.shading_normal };
-        let side = if self.inside { -1.0 } else { 1.0 };
-        SurfacePoint {
-            geometric_normal: side * point.geometric_normal,
-            shading_normal: side * shading,
-            ..point
-        }
-    }
-}
 
 /// The surfaces that read maps.
 #[derive(Clone, Debug)]
@@ -36,6 +14,8 @@ pub struct Places {
     pub atlas: Atlas,
     /// The scene's instance of each surface.
     pub instances: Vec<u32>,
+    /// Which surfaces read their map by the first UV set that they had.
+    pub reads_first_set: Vec<bool>,
 }
 
 impl Places {
@@ -44,7 +24,10 @@ impl Places {
     pub fn of(geometry: &Geometry, sheets: &Sheets, v_up: bool, supersample: u32, facing: Facing) -> Self {
         let (instances, surfaces) = sheets.surfaces(geometry, v_up).into_iter().unzip();
         let sizes = sheets.sheets.iter().map(|sheet| sheet.size).collect();
-        Self { facing, atlas: Atlas { sizes, surfaces, supersample: supersample.max(1) }, instances }
+        let atlas = Atlas { sizes, surfaces, supersample: supersample.max(1) };
+        let is_first = |surface: &Surface| matches!(sheets.sheets[surface.map].uvs, Uvs::Set(0));
+        let reads_first_set = atlas.surfaces.iter().map(is_first).collect();
+        Self { facing, atlas, instances, reads_first_set }
     }
 
     /// The texels of a portion as a target: estimate it with [`Session::run_target`], and its [`resolve`](conray_target::Target::resolve) gives what
@@ -62,9 +45,9 @@ impl Places {
         let texel_sizes: Vec<Vec<f32>> =
             self.atlas.surfaces.iter().zip(&self.instances).map(texel_sizes).collect();
         let point = |surface: usize, triangle: usize, weights: [f32; 3]| {
-            let place = [weights[1], weights[2]];
-            let point = session.bvh().front_point(self.instances[surface], triangle as u32, place);
-            SurfacePoint { footprint: texel_sizes[surface][triangle], ..self.facing.turned(point) }
+            let (at, place) = ([self.instances[surface], triangle as u32], [weights[1], weights[2]]);
+            let footprint = texel_sizes[surface][triangle];
+            self.facing.point(session, at, place, footprint, footprint / self.atlas.supersample as f32)
         };
         session.install(|| self.atlas.texels(portion, point))
     }

@@ -1,8 +1,9 @@
 //! The whole of a texture bake: portion by portion estimated, then filled, made to agree at seams, extended.
 
 use crate::{
-    Apart, Buried, Places,
+    Apart, BentSpace, Buried, Places,
     answers::{Answers, Asked, mark_stopped},
+    bent::TexelPlaces,
     shares::Shares,
 };
 use conray::{Budget, Control, Error, Session, Work};
@@ -18,6 +19,8 @@ pub struct MapOptions {
     pub portion: u64,
     /// A folder in which the work on each portion is kept, to go on with; only for method `hybrid`.
     pub state: Option<PathBuf>,
+    /// In which space bent directions are told.
+    pub bent: BentSpace,
     /// Only this portion, to try; the maps then have no other values.
     pub only: Option<Portion>,
     /// Differences at a seam up to this count as agreement.
@@ -29,7 +32,14 @@ pub const PORTION: u64 = 1 << 22;
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { padding: None, portion: PORTION, state: None, only: None, seam_bound: 0.02 }
+        Self {
+            padding: None,
+            portion: PORTION,
+            state: None,
+            bent: BentSpace::World,
+            only: None,
+            seam_bound: 0.02,
+        }
     }
 }
 
@@ -73,6 +83,7 @@ pub fn bake_maps(
     };
     let asked = Asked { session, apart, looks_inside: places.facing.inside };
     let mut maps = places.atlas.maps();
+    let mut turn = (options.bent == BentSpace::Tangent).then(|| TexelPlaces::new(&maps));
     let mut overlaps = vec![0.0; maps.len()];
     let mut buried = Buried::new(session.geometry());
     let mut parts: Vec<Work> = Vec::new();
@@ -86,6 +97,9 @@ pub fn bake_maps(
         let target = places.texels(session, portion);
         for (part, overlap) in portion.parts.iter().zip(target.overlaps()) {
             overlaps[part.map] += overlap;
+        }
+        if let Some(turn) = &mut turn {
+            turn.note(&target);
         }
         let of = |&surface: &u32| places.instances[surface as usize];
         let instances: Vec<u32> = target.surfaces().iter().map(of).collect();
@@ -117,6 +131,10 @@ pub fn bake_maps(
             }
         }
         level(&seams, &mut maps);
+        // Before islands are extended: what is beside them takes the directions of texels as they are told.
+        if let Some(turn) = turn {
+            turn.turn(session, places, &mut maps);
+        }
         maps.iter_mut().for_each(|map| map.extend(options.padding));
         SeamReport::of(&seams, &maps, options.seam_bound)
     });

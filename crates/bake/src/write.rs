@@ -1,7 +1,7 @@
 //! What a bake writes: PNG maps, and models that show them.
 
 use crate::{
-    AssignError, Buffers, Document, Kind, Origins, Sheets, Uvs, assign,
+    AssignError, BentSpace, Buffers, Document, Kind, Origins, Sheets, Uvs, assign,
     packed::{packed, share},
 };
 use base64::{Engine, prelude::BASE64_STANDARD};
@@ -72,9 +72,33 @@ pub struct PngOptions {
     pub packs: bool,
 }
 
-/// Bent directions of a map as a PNG: unit vectors in world space, each axis from -1 to 1 as 0 to 1. What has no direction points nowhere: (0.5, 0.5, 0.5).
-pub fn bent_png(map: &AtlasMap, depth: PngDepth) -> Vec<u8> {
-    let colour = |bent: &Vec3| (0.5 * bent.normalize_or_zero() + 0.5).to_array();
+/// What bent directions of a PNG are, and which way green points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BentColours {
+    /// World space.
+    World,
+    /// Tangent space, green up in the picture, as in glTF and OpenGL.
+    Tangent,
+    /// Tangent space, green down, as in DirectX.
+    TangentDown,
+}
+
+impl BentColours {
+    /// The space of the directions.
+    pub fn space(self) -> BentSpace {
+        if self == Self::World { BentSpace::World } else { BentSpace::Tangent }
+    }
+}
+
+/// Bent directions of a map, baked in the space of the colours, as a PNG: unit vectors, each axis from -1 to 1 as 0 to 1. What has no direction points nowhere in the
+/// world, (0.5, 0.5, 0.5), and straight up in tangent space.
+pub fn bent_png(map: &AtlasMap, colours: BentColours, depth: PngDepth) -> Vec<u8> {
+    let (none, green) = match colours {
+        BentColours::World => (Vec3::ZERO, 1.0),
+        BentColours::Tangent => (Vec3::Z, 1.0),
+        BentColours::TangentDown => (Vec3::Z, -1.0),
+    };
+    let colour = |bent: &Vec3| (0.5 * Vec3::new(1.0, green, 1.0) * bent.normalize_or(none) + 0.5).to_array();
     let values: Vec<[f32; 3]> = map.bent.iter().map(colour).collect();
     let mut bytes = Vec::new();
     encode_colour_png(&mut bytes, map.width, map.height, &values, depth)

@@ -1,10 +1,17 @@
 //! Baked texels against what geometry says, texel by texel.
 
 use conray::{AoSettings, Control, Distance, Session, Work};
-use conray_bake::{Facing, MapExtent, MapOptions, PORTION, Places, Sheets, Unwrap, bake_maps};
-use conray_core::{Affine3A, Geometry, TriangleMesh, Vec2, Vec3};
+use conray_bake::{
+    BentSpace, Facing, MapExtent, MapOptions, NormalMaps, Normals, PORTION, Places, Sheets, Unwrap, bake_maps,
+};
+use conray_core::{
+    Affine2, Affine3A, Geometry, Material, NormalMap, NormalTexture, TriangleMesh, Vec2, Vec3, Wrap,
+};
 use conray_target::{AtlasMap, MapSize};
-use std::f32::consts::{PI, TAU};
+use std::{
+    f32::consts::{PI, TAU},
+    sync::Arc,
+};
 
 /// Texels on each side, and the share of the map that the surface leaves free on each side.
 const SIDE: u32 = 48;
@@ -20,11 +27,27 @@ fn quad(corner: Vec3, along_u: Vec3, along_v: Vec3) -> TriangleMesh {
 
 /// Bakes the first of some quads among all of them, in portions of so many places.
 fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, portion: u64) -> (AtlasMap, f64) {
+    let options = MapOptions { portion, ..MapOptions::default() };
+    baked_with(scene(quads), settings, supersample, &options, |_| Facing::default())
+}
+
+fn scene(quads: Vec<TriangleMesh>) -> Geometry {
     let mut geometry = Geometry::default();
     for quad in quads {
         let mesh = geometry.add_mesh(quad).unwrap();
         geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
+    geometry
+}
+
+/// Bakes the first surface of a scene, looking as is said of it.
+fn baked_with(
+    geometry: Geometry,
+    settings: &AoSettings,
+    supersample: u32,
+    options: &MapOptions,
+    facing: impl Fn(&Geometry) -> Facing,
+) -> (AtlasMap, f64) {
     let session = Session::build(geometry, settings).unwrap();
     let sheets = Sheets::of(
         session.geometry(),
@@ -32,10 +55,10 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, port
         MapExtent::Size(MapSize { width: SIDE, height: SIDE }),
         Unwrap::No,
     );
-    let places = Places::of(session.geometry(), &sheets, false, supersample, Facing::default());
-    let options = MapOptions { portion, ..MapOptions::default() };
+    let facing = facing(session.geometry());
+    let places = Places::of(session.geometry(), &sheets, false, supersample, facing);
     let mut baked =
-        bake_maps(&session, &[], &places, session.plan().budget, &options, Control::none(), &mut |_| {})
+        bake_maps(&session, &[], &places, session.plan().budget, options, Control::none(), &mut |_| {})
             .unwrap();
     let work = Work::of_parts(&baked.parts).unwrap();
     assert_eq!(baked.portions, baked.parts.len());
@@ -44,17 +67,24 @@ fn baked(quads: Vec<TriangleMesh>, settings: &AoSettings, supersample: u32, port
 
 /// Root mean square difference of the texels that are read to a function of the place on the quad, from 0 to 1 in both directions.
 fn rmse(map: &AtlasMap, truth: impl Fn(f32, f32) -> f32) -> f32 {
+    rmse_where(map, |u, v| Some(truth(u, v))).0
+}
+
+/// The same where there is a truth, and the share of the texels of which there is.
+fn rmse_where(map: &AtlasMap, truth: impl Fn(f32, f32) -> Option<f32>) -> (f32, f32) {
     let share = |texel: u32| {
         let uv = (texel as f32 + 0.5) / SIDE as f32;
         ((uv - MARGIN) / (1.0 - 2.0 * MARGIN)).clamp(0.0, 1.0)
     };
-    let (mut sum, mut count) = (0.0, 0);
+    let (mut sum, mut count, mut all) = (0.0, 0, 0);
     for at in (0..SIDE * SIDE).filter(|&at| map.is_read[at as usize]) {
-        sum += (map.visibility[at as usize] - truth(share(at % SIDE), share(at / SIDE))).powi(2);
+        all += 1;
+        let Some(truth) = truth(share(at % SIDE), share(at / SIDE)) else { continue };
+        sum += (map.visibility[at as usize] - truth).powi(2);
         count += 1;
     }
     assert_eq!(map.missing(), 0);
-    (sum / count as f32).sqrt()
+    ((sum / count as f32).sqrt(), count as f32 / all as f32)
 }
 
 /// A floor of length 1 beside a wall of height 1 that is very long. Its front is up: u runs along z, v along x. The wall shows the floor its back, which
@@ -146,6 +176,121 @@ fn a_floor_under_a_sphere() {
     let found = rmse(&map, truth(radius));
     assert!(found < 0.006, "{found}, {expected} expected");
     assert!(rmse(&map, truth(1.1 * radius)) > 0.03, "the comparison can fail");
+}
+
+#[test]
+fn a_sphere_in_a_box() {
+    // A room from -4 to 4 and 5 high, in it a sphere over the middle of the floor; rays reach 2. About the middle the floor sees the whole sphere and no wall, by the
+    // walls no sphere: of the unit disc, on which equal areas count alike, a wall at distance a takes the segment beyond a / 2.
+    let (half, high, centre, radius, reach) = (4.0f32, 5.0f32, 1.2f32, 1.0f32, 2.0f32);
+    let (side, up) = (2.0 * half, high * Vec3::Y);
+    let corner = |x: f32, z: f32| Vec3::new(x * half, 0.0, z * half);
+    let room = vec![
+        quad(corner(-1.0, -1.0), side * Vec3::Z, side * Vec3::X),
+        quad(corner(-1.0, -1.0) + up, side * Vec3::X, side * Vec3::Z),
+        quad(corner(-1.0, -1.0), side * Vec3::X, up),
+        quad(corner(1.0, 1.0), -side * Vec3::X, up),
+        quad(corner(-1.0, 1.0), -side * Vec3::Z, up),
+        quad(corner(1.0, -1.0), side * Vec3::Z, up),
+        sphere(Vec3::new(0.0, centre, 0.0), radius),
+    ];
+    let settings = AoSettings { distance: Distance::World(reach), ..settings(256) };
+    let (map, expected) = baked(room, &settings, 1, PORTION);
+    let truth = |radius: f32, reach: f32| {
+        move |u: f32, v: f32| {
+            let [x, z] = [v, u].map(|share| (2.0 * share - 1.0) * half);
+            let squared = x * x + z * z + centre * centre;
+            let from_wall = [x, z].map(|place| ((half - place.abs()) / reach).min(1.0));
+            let both = from_wall[0].powi(2) + from_wall[1].powi(2) < 1.0;
+            let by_wall: f32 = from_wall.iter().map(|c| (c.acos() - c * (1.0 - c * c).sqrt()) / PI).sum();
+            let (is_whole, is_none) =
+                (squared - radius * radius <= reach * reach, squared.sqrt() >= radius + reach);
+            let by_sphere = if is_none { 0.0 } else { radius * radius * centre / squared.powf(1.5) };
+            ((is_whole || is_none) && !both).then_some(1.0 - by_wall - by_sphere)
+        }
+    };
+    let (found, share) = rmse_where(&map, truth(radius, reach));
+    assert!(share > 0.6, "{share}");
+    assert!(found < 0.006, "{found}, {expected} expected");
+    assert!(rmse_where(&map, truth(radius, 1.1 * reach)).0 > 0.012, "the comparison can fail");
+    assert!(rmse_where(&map, truth(1.2 * radius, reach)).0 > 0.02);
+}
+
+/// A normal map of one colour, read by the first UV set.
+fn with_normal_map(mut geometry: Geometry, texel: [u8; 3]) -> Geometry {
+    let texture = Arc::new(NormalTexture::new(1, 1, vec![texel]).unwrap());
+    let (texture_from_uv, wrap) = (Affine2::IDENTITY, [Wrap::Repeat; 2]);
+    let map = NormalMap { texture, uv_set: 0, texture_from_uv, wrap, scale: 1.0 };
+    geometry.add_material(Material { normal_map: Some(map), ..Material::default() });
+    geometry
+}
+
+fn mapped(geometry: &Geometry) -> Facing {
+    let maps = Arc::new(NormalMaps::of(geometry, &[0]));
+    Facing { normals: Normals::Mapped(maps), ..Facing::default() }
+}
+
+#[test]
+fn an_open_floor_whose_normals_lean() {
+    // Of the hemisphere about a normal that leans by an angle, cos^2 of half of it lies over the floor, weighed by the cosine.
+    let floor = || scene(vec![quad(Vec3::ZERO, Vec3::Z, Vec3::X)]);
+    for texel in [[218, 128, 218], [128, 48, 226], [245, 128, 176]] {
+        let normal = Vec3::from(texel.map(|c| f32::from(c) * 2.0 / 255.0 - 1.0)).normalize();
+        let options = MapOptions::default();
+        let bake = |facing: fn(&Geometry) -> Facing| {
+            baked_with(with_normal_map(floor(), texel), &settings(256), 1, &options, facing).0
+        };
+        let map = bake(mapped);
+        let found = rmse(&map, |_, _| 0.5 + 0.5 * normal.z);
+        let mean = map.visibility.iter().sum::<f32>() / map.visibility.len() as f32;
+        assert!(found < 0.006, "{texel:?} {found}");
+        assert!((mean - 0.5 - 0.5 * normal.z).abs() < 0.001, "{texel:?} {mean}");
+        assert!(rmse(&bake(|_| Facing::default()), |_, _| 0.5 + 0.5 * normal.z) > 0.02);
+    }
+}
+
+#[test]
+fn normals_lean_towards_the_side_that_the_map_says() {
+    // A floor by a wall without end sees a wedge of sky of a right angle, which is the same along the wall: of it a normal in the plane across sees half of the difference of
+    // the sines of the angles from it (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-1). v, which points down in
+    // pictures, runs away from the wall, so green leans towards it.
+    let by_wall = || {
+        let wall = quad(Vec3::new(0.0, 0.0, -5000.0), 10000.0 * Vec3::Z, 10000.0 * Vec3::Y);
+        scene(vec![quad(Vec3::new(0.0, 0.0, -0.5), Vec3::Z, Vec3::X), wall])
+    };
+    let truth = |away: f32, up: f32| 0.5 * if away > 0.0 { away + up } else { 1.0 + away };
+    for green in [218u8, 38] {
+        let texel = [128, green, 218];
+        let normal = Vec3::from(texel.map(|c| f32::from(c) * 2.0 / 255.0 - 1.0)).normalize();
+        let (map, _) =
+            baked_with(with_normal_map(by_wall(), texel), &settings(256), 1, &MapOptions::default(), mapped);
+        let found = rmse(&map, |_, _| truth(-normal.y, normal.z));
+        assert!(found < 0.006, "{green}: {found}");
+        assert!(rmse(&map, |_, _| truth(normal.y, normal.z)) > 0.2);
+    }
+}
+
+#[test]
+fn bent_directions_in_tangent_space_are_told_by_the_axes_of_the_map() {
+    // v, which points down in pictures, runs away from the wall: open directions lean down in the picture.
+    for turn in [Affine3A::IDENTITY, Affine3A::from_rotation_z(2.0) * Affine3A::from_rotation_y(1.0)] {
+        let mut geometry = Geometry::default();
+        for quad in corner() {
+            let mesh = geometry.add_mesh(quad).unwrap();
+            geometry.add_instance(mesh, turn).unwrap();
+        }
+        let [world, tangent] = [BentSpace::World, BentSpace::Tangent].map(|bent| {
+            let options = MapOptions { bent, ..MapOptions::default() };
+            baked_with(geometry.clone(), &settings(64), 1, &options, |_| Facing::default()).0
+        });
+        let axes = [Vec3::Z, Vec3::NEG_X, Vec3::Y].map(|axis| turn.transform_vector3(axis));
+        for at in (0..tangent.bent.len()).filter(|&at| tangent.is_read[at]) {
+            let expected = Vec3::from(axes.map(|axis| axis.dot(world.bent[at])));
+            assert!((tangent.bent[at] - expected).length() < 1e-4, "{} {expected}", tangent.bent[at]);
+        }
+        let middle = tangent.bent[(SIDE / 2 * SIDE + SIDE / 2) as usize];
+        assert!(middle.y < -0.1 && middle.x.abs() < 0.05 && middle.z > 0.3, "{middle}");
+    }
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn target(session: &Session) -> VertexTarget {
         session,
         Slots::of(session, &[0], &objects),
         &VertexSettings::default(),
-        Facing::default(),
+        &Facing::default(),
     )
     .unwrap()
 }
@@ -144,7 +144,7 @@ fn vertices_inside_a_box_darken_no_floor_about_it() {
     let estimates = session.run_target(&target, Control::none()).unwrap().estimates;
     let with_the_inside = target.resolve(&estimates).unwrap();
     let (facing, budget) = (Facing::default(), session.plan().budget);
-    let baked = bake_vertices(&session, &[], &target, facing, budget, Control::none(), None).unwrap();
+    let baked = bake_vertices(&session, &[], &target, &facing, budget, Control::none(), None).unwrap();
     assert!(baked.buried > 50);
     let values = baked.values;
     // The truth by rays, where the floor is seen.

@@ -29,7 +29,7 @@ fn scene(smooth: [bool; 2]) -> (Session, Slots, VertexValues) {
     let session = Session::build(geometry, &AoSettings::default()).unwrap();
     let slots = Slots::of(&session, &[0, 1], &[0, 1]);
     let target =
-        VertexTarget::new(&session, slots.clone(), &VertexSettings::default(), Facing::default()).unwrap();
+        VertexTarget::new(&session, slots.clone(), &VertexSettings::default(), &Facing::default()).unwrap();
     let open = Estimate { visibility: 1.0, error: 0.0, ..Estimate::PENDING };
     let mut values = target.resolve(&vec![open; target.points().len()]).unwrap();
     let count = values.visibility.len() as f32;

@@ -86,7 +86,7 @@ fn bake(source: &Path, to: &Path, attribute: VertexAttribute) -> Baked {
     let session = Session::build(scene.geometry.clone(), &settings).unwrap();
     let instances: Vec<u32> = (0..scene.geometry.instances().len() as u32).collect();
     let slots = Slots::of(&session, &instances, &objects(&scene.geometry, &scene.origins));
-    let target = VertexTarget::new(&session, slots, &VertexSettings::default(), Facing::default()).unwrap();
+    let target = VertexTarget::new(&session, slots, &VertexSettings::default(), &Facing::default()).unwrap();
     let estimates = session.run_target(&target, Control::none()).unwrap().estimates;
     let values = target.resolve(&estimates).unwrap();
     let document = Document::open(&fs::read(source).unwrap()).unwrap();

@@ -259,11 +259,15 @@ fn geometry_bytes(geometry: &Geometry) -> u64 {
     let mesh_bytes = |m: &conray_core::TriangleMesh| {
         size_of_val(m.positions())
             + size_of_val(m.normals())
+            + size_of_val(m.tangents())
             + size_of_val(m.triangles())
             + m.uv_sets().len() * m.positions().len() * size_of::<Vec2>()
     };
     debug_assert_eq!(size_of::<Vec3>(), 12);
-    geometry.meshes().iter().map(mesh_bytes).sum::<usize>() as u64
+    let meshes = geometry.meshes().iter().map(mesh_bytes).sum::<usize>() as u64;
+    // Materials may share a texture; the few bytes counted twice are allowed for.
+    let normals = geometry.materials().iter().filter_map(|material| material.normal_map.as_ref());
+    meshes + normals.map(|map| map.texture.memory_bytes()).sum::<u64>()
 }
 
 /// Runs one stage between its events and gives its wall-clock seconds.

@@ -1,6 +1,6 @@
 //! What occludes: triangle meshes, their placements in the world and the opacity of their materials.
 
-use crate::{Affine3A, Backs, Bounds, Opacity, Vec2, Vec3};
+use crate::{Affine3A, Backs, Bounds, NormalMap, Opacity, Vec2, Vec3, Vec4};
 use thiserror::Error;
 
 /// Why an array of positions and indices is no mesh.
@@ -70,6 +70,8 @@ pub struct TriangleMesh {
     triangles: Vec<[u32; 3]>,
     /// Unit vertex normals, one per vertex, or none: then the surface is flat.
     normals: Vec<Vec3>,
+    /// For each vertex a unit tangent and the sign of the bitangent, or none.
+    tangents: Vec<Vec4>,
     /// UV sets, each with one entry per vertex.
     uv_sets: Vec<Vec<Vec2>>,
     /// Index into [`Geometry::materials`].
@@ -99,6 +101,13 @@ impl TriangleMesh {
     pub fn with_normals(mut self, normals: Vec<Vec3>) -> Result<Self, GeometryError> {
         self.check_length("normals", normals.len())?;
         self.normals = normals;
+        Ok(self)
+    }
+
+    /// Adds tangents of normal maps, one per vertex: unit vectors, and in `w` the sign of the bitangent, which is that times normal x tangent.
+    pub fn with_tangents(mut self, tangents: Vec<Vec4>) -> Result<Self, GeometryError> {
+        self.check_length("tangents", tangents.len())?;
+        self.tangents = tangents;
         Ok(self)
     }
 
@@ -139,6 +148,11 @@ impl TriangleMesh {
         &self.normals
     }
 
+    /// Tangents of normal maps, as [`TriangleMesh::with_tangents`] takes them; empty where there are none.
+    pub fn tangents(&self) -> &[Vec4] {
+        &self.tangents
+    }
+
     /// UV sets.
     pub fn uv_sets(&self) -> &[Vec<Vec2>] {
         &self.uv_sets
@@ -174,6 +188,8 @@ pub struct Material {
     pub opacity: Opacity,
     /// Whether the file calls the surface visible from both sides. Occlusion counts both sides always.
     pub double_sided: bool,
+    /// How a texture bends the normals, where that is known; occlusion by the surface does not depend on it.
+    pub normal_map: Option<NormalMap>,
 }
 
 /// One placement of a mesh in the world.

@@ -11,6 +11,7 @@ mod model;
 
 pub use builtin::{BUILTIN_NAMES, builtin};
 pub use files::{
-    CREASE_ANGLE_DEG, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes, percent_decoded,
+    CREASE_ANGLE_DEG, Extras, Fault, Format, Limits, Place, Resolver, SceneError, load, load_bytes,
+    load_bytes_with, load_with, percent_decoded,
 };
 pub use model::{Origin, Scene, Warning, WarningKind};

@@ -57,6 +57,8 @@ pub enum WarningKind {
     MissingMaterial,
     /// A texture that could not be read: its surfaces are opaque.
     MissingTexture,
+    /// A normal map that could not be read: normals stay those of the shading.
+    MissingNormalMap,
     /// Normals that are zero or not finite: replaced by the triangle's own.
     BadNormals,
     /// Triangles whose winding disagrees with their vertex normals.
@@ -79,6 +81,9 @@ impl fmt::Display for WarningKind {
             Self::MissingMaterialFile => "material files that could not be read; their surfaces are opaque",
             Self::MissingMaterial => "materials that no file defines; their surfaces are opaque",
             Self::MissingTexture => "textures that could not be read; their surfaces are opaque",
+            Self::MissingNormalMap => {
+                "normal maps that could not be read; normals stay those of the vertices"
+            }
             Self::BadNormals => "normals of no length, replaced by those of the triangles",
             Self::FlippedTriangles => "triangles whose winding disagrees with their normals",
             Self::UnusedVertices => "vertices that no triangle uses",

@@ -2,9 +2,15 @@
 
 use super::{AoArgs, RunArgs, parse::parse_side_or_size};
 use clap::{Args, ValueEnum, builder::PossibleValuesParser};
-use conray::{Backs, target::MapSize};
-use conray_bake::{Facing, Ground, Look, MapExtent, Scope, VertexAttribute, VertexSettings};
-use std::path::{Path, PathBuf};
+use conray::{Backs, Geometry, scene::Extras, target::MapSize};
+use conray_bake::{
+    BentColours, BentSpace, Facing, Ground, Look, MapExtent, NormalMaps, Normals, Scope, VertexAttribute,
+    VertexSettings,
+};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct BakeArgs {
@@ -42,9 +48,10 @@ pub(crate) struct BakeArgs {
     /// Puts occlusion into the red channel of the image of roughness and metalness, 8 bits, where a material of a glTF reads both by the same UVs
     #[arg(long)]
     pub(crate) pack: bool,
-    /// Writes bent directions too, as PNG files beside the output: world space, -1 to 1 as black to white
-    #[arg(long)]
-    pub(crate) bent_normals: bool,
+    /// Writes bent directions too, as PNG files beside the output, -1 to 1 as black to white: in world space, or in tangent space with green up (glTF, OpenGL) or down
+    /// (DirectX)
+    #[arg(long, value_enum, value_name = "SPACE", num_args = 0..=1, default_missing_value = "world")]
+    bent_normals: Option<BentArg>,
     /// Copies of a mesh share one map, each occluded by its own node alone
     #[arg(long)]
     pub(crate) shared: bool,
@@ -74,6 +81,14 @@ pub(crate) struct BakeArgs {
     pub(crate) ao: AoArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+/// Space of bent directions, and where green points.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum BentArg {
+    World,
+    Tangent,
+    TangentDx,
 }
 
 /// What carries the values.
@@ -150,7 +165,7 @@ enum BacksArg {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Look")]
 struct LookArgs {
-    /// Normal about which the hemisphere is taken: that of the shading or of the triangle
+    /// Normal about which the hemisphere is taken: that of the shading, of the triangle, or of the material's normal map
     #[arg(long, value_enum, default_value = "shading")]
     normal: NormalArg,
     /// Looks into the surface: how thick a body is, by the AO distance
@@ -168,6 +183,7 @@ struct LookArgs {
 enum NormalArg {
     Shading,
     Geometric,
+    Mapped,
 }
 
 impl BakeArgs {
@@ -219,8 +235,36 @@ impl BakeArgs {
         }
     }
 
-    pub(crate) fn facing(&self) -> Facing {
-        Facing { flat: self.look.normal == NormalArg::Geometric, inside: self.look.inside }
+    /// How bent directions are written, where they are wanted.
+    pub(crate) fn bent(&self) -> Option<BentColours> {
+        self.bent_normals.map(|bent| match bent {
+            BentArg::World => BentColours::World,
+            BentArg::Tangent => BentColours::Tangent,
+            BentArg::TangentDx => BentColours::TangentDown,
+        })
+    }
+
+    /// What is read of the model beside what occludes.
+    pub(crate) fn extras(&self) -> Extras {
+        let normal_maps = self.look.normal == NormalArg::Mapped;
+        let bent = self.bent().is_some_and(|bent| bent.space() == BentSpace::Tangent);
+        Extras { tangents: normal_maps || bent, normal_maps }
+    }
+
+    /// Which way the points of instances look; nothing where normal maps are wanted and there are none.
+    pub(crate) fn facing(&self, geometry: &Geometry, receivers: &[u32]) -> Option<Facing> {
+        let normals = match self.look.normal {
+            NormalArg::Shading => Normals::Shading,
+            NormalArg::Geometric => Normals::Geometric,
+            NormalArg::Mapped => {
+                let maps = NormalMaps::of(geometry, receivers);
+                if maps.is_empty() {
+                    return None;
+                }
+                Normals::Mapped(Arc::new(maps))
+            }
+        };
+        Some(Facing { normals, inside: self.look.inside })
     }
 
     pub(crate) fn look(&self) -> Look {

@@ -22,7 +22,10 @@ use conray::{
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
-use conray_bake::{Apart, MAX_MAP_SIDE, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps};
+use conray_bake::{
+    Apart, BentColours, BentSpace, MAX_MAP_SIDE, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap,
+    bake_maps,
+};
 use output::Output;
 use std::{
     path::{Path, PathBuf},
@@ -91,7 +94,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     check_use(for_vertices, output.as_ref())?;
     preview::check(args, for_vertices)?;
     check_state(args, &settings)?;
-    let mut scene = scene::load(&model, &scene::Limits::default())?;
+    let mut scene = scene::load_with(&model, &scene::Limits::default(), args.extras())?;
     reporter.scene_warnings(&scene);
     let scope = args.scope();
     if scope.backs != Backs::Block && settings.method.needs_octree() {
@@ -114,6 +117,10 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     };
     let options = SessionOptions { threads: args.run.threads };
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
+    let facing = session.install(|| args.facing(session.geometry(), &chosen.receivers)).ok_or_else(|| {
+        let what = "--normal mapped: no material of what is baked has a normal map that can be read";
+        Failure::Request(what.into())
+    })?;
     let apart = chosen.objects.iter().cloned().map(|instances| {
         let session = session.only(&instances)?;
         Ok(Apart { instances, session })
@@ -128,16 +135,19 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
             session: &session,
             apart: &apart,
             receivers: &chosen.receivers,
+            facing: &facing,
             origins: &origins,
             vertices: &vertices,
         };
         return vertex::run(&of, output, interrupted, reporter);
     }
     // Images of other formats than glTF have their first row at v = 1.
-    let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample, args.facing());
-    let structures =
-        session.memory_bytes() + apart.iter().map(|apart| apart.session.memory_bytes()).sum::<u64>();
-    let memory = Memory::within(&places, structures, settings.max_memory).map_err(|needed| {
+    let places = Places::of(session.geometry(), &sheets, origins.is_empty(), args.supersample, facing);
+    let structures = session.memory_bytes()
+        + places.facing.memory_bytes()
+        + apart.iter().map(|apart| apart.session.memory_bytes()).sum::<u64>();
+    let bent = args.bent().map_or(BentSpace::World, BentColours::space);
+    let memory = Memory::within(&places, bent, structures, settings.max_memory).map_err(|needed| {
         Failure::Request(format!(
             "--max-memory: the maps need {needed} bytes; allow more, or choose less {}",
             args.extent_option()
@@ -147,6 +157,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
         padding: args.padding,
         portion: memory.places,
         state: args.state.clone(),
+        bent,
         ..MapOptions::default()
     };
     stop_if(interrupted, "before anything was estimated; no file was written")?;

@@ -11,8 +11,8 @@ use conray::{
     target::{self, AtlasMap, PngDepth},
 };
 use conray_bake::{
-    Document, Origins, PngOptions, Sheets, Uvs, Written, bent_png, file_names, png, write_mapped_obj,
-    write_model, write_mtl,
+    BentSpace, Document, Origins, PngOptions, Sheets, Uvs, Written, bent_png, file_names, png,
+    write_mapped_obj, write_model, write_mtl,
 };
 use std::{
     ffi::OsStr,
@@ -97,10 +97,10 @@ impl Output {
         let stem = to.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let names = file_names(sheets);
         let mut files = Vec::new();
-        if args.bent_normals {
+        if let Some(colours) = args.bent() {
             let beside = map_paths(&to.with_file_name(format!("{stem}.png")), &names);
             for (path, map) in beside.iter().zip(maps) {
-                let bytes = bent_png(map, depth);
+                let bytes = bent_png(map, colours, depth);
                 let name = path.file_stem().map(|name| name.to_string_lossy()).unwrap_or_default();
                 let path = path.with_file_name(format!("{name}-bent.png"));
                 target::write_atomically(&path, |out| out.write_all(&bytes))?;
@@ -126,6 +126,9 @@ impl Output {
                         let mut attributes = report::settings_text(&args.ao.settings());
                         attributes.push(("model".into(), args.model().display().to_string()));
                         attributes.push(("world-distance".into(), session.plan().distance.to_string()));
+                        if args.bent().is_some_and(|bent| bent.space() == BentSpace::Tangent) {
+                            attributes.push(("bent-space".into(), "tangent, y up".into()));
+                        }
                         attributes.push(("version".into(), env!("CARGO_PKG_VERSION").into()));
                         target::write_exr(&path, &map.layers(), &attributes)?;
                     }

@@ -14,8 +14,8 @@ use crate::{
 };
 use conray::{Budget, Control, Session, Work, scene::Origin, target::Target};
 use conray_bake::{
-    Apart, Memory, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj, write_ply,
-    write_vertex_model,
+    Apart, Facing, Memory, Origins, Slots, VertexBake, VertexTarget, bake_vertices, objects, write_obj,
+    write_ply, write_vertex_model,
 };
 use serde_json::json;
 use std::{path::PathBuf, sync::atomic::AtomicBool};
@@ -27,6 +27,7 @@ pub(super) struct Of<'a> {
     pub(super) session: &'a Session,
     pub(super) apart: &'a [Apart],
     pub(super) receivers: &'a [u32],
+    pub(super) facing: &'a Facing,
     pub(super) origins: &'a [Origin],
     pub(super) vertices: &'a [&'a [u32]],
 }
@@ -37,13 +38,19 @@ pub(super) fn run(
     interrupted: &AtomicBool,
     reporter: &Reporter,
 ) -> Result<(), Failure> {
-    let Of { name, args, session, apart, .. } = *of;
+    let Of { name, args, session, apart, facing, .. } = *of;
     let slots = Slots::of(session, of.receivers, &objects(session.geometry(), of.origins));
-    let facing = args.facing();
     let target = VertexTarget::new(session, slots, &args.vertex.settings(), facing)?;
     let limit = args.ao.settings().max_memory;
-    let memory = Memory::of_points(target.points().len() as u64, session.memory_bytes(), limit).map_err(|needed| {
-        Failure::Request(format!("--max-memory: the points need {needed} bytes; allow more, or choose fewer --samples-per-triangle"))
+    let memory = Memory::of_points(
+        target.points().len() as u64,
+        session.memory_bytes() + facing.memory_bytes(),
+        limit,
+    )
+    .map_err(|needed| {
+        Failure::Request(format!(
+            "--max-memory: the points need {needed} bytes; allow more, or choose fewer --samples-per-triangle"
+        ))
     })?;
     if args.dry_run {
         return plan(of, &target, memory, reporter);

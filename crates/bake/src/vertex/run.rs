@@ -30,7 +30,7 @@ pub fn bake_vertices(
     session: &Session,
     apart: &[Apart],
     target: &VertexTarget,
-    facing: Facing,
+    facing: &Facing,
     budget: Budget,
     control: Control<'_>,
     state: Option<&Path>,

@@ -109,13 +109,13 @@ impl VertexTarget {
         session: &Session,
         slots: Slots,
         settings: &VertexSettings,
-        facing: Facing,
+        facing: &Facing,
     ) -> Result<Self, TargetError> {
         settings.validate()?;
         Ok(session.install(|| Self::spread(session, slots, settings, facing)))
     }
 
-    fn spread(session: &Session, slots: Slots, settings: &VertexSettings, facing: Facing) -> Self {
+    fn spread(session: &Session, slots: Slots, settings: &VertexSettings, facing: &Facing) -> Self {
         let mut patches: Vec<Patch> = Vec::new();
         for surface in slots.surfaces() {
             let patch = |at: usize| {
@@ -131,8 +131,7 @@ impl VertexTarget {
             let (instance, triangle) = (patch.instance, patch.triangle);
             let point = move |k: usize| {
                 let place = on_triangle(owen_sobol_2d(k as u32, seed as u32));
-                let point = session.bvh().front_point(instance, triangle, place);
-                (place, SurfacePoint { footprint, ..facing.turned(point) })
+                (place, facing.point(session, [instance, triangle], place, footprint, footprint))
             };
             (0..patch.points.len()).map(point)
         };

@@ -38,7 +38,12 @@ impl Assembly {
             factor: 1.0,
             cutoff: Some(0.5),
         });
-        self.geometry.add_material(Material { name: name.into(), opacity, double_sided: true })
+        self.geometry.add_material(Material {
+            name: name.into(),
+            opacity,
+            double_sided: true,
+            ..Material::default()
+        })
     }
 
     /// Stores a part without placing it.

@@ -1,10 +1,10 @@
 //! Opacity out of image files.
 
 use super::error::Fault;
+use super::image_file::ImageFile;
 use super::limits::Limits;
 use conray_core::{AlphaTexture, Opacity, TextureOpacity};
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use std::io::Cursor;
+use image::{ColorType, DynamicImage};
 
 /// Which of an image's channels is opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,64 +40,24 @@ pub(super) fn read_opacity(
     pixels_left: &mut u64,
     limits: &Limits,
 ) -> Result<ImageOpacity, Fault> {
-    let format = match kind(name, bytes) {
-        Ok(format) => format,
+    let file = match ImageFile::open(name, bytes, *pixels_left, limits)? {
+        Ok(file) => file,
         Err(unknown) => return Ok(ImageOpacity::UnknownKind(unknown)),
     };
-    let fault =
-        |e: image::ImageError| Fault::element(format!("image `{name}`"), format!("cannot be decoded: {e}"));
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.no_limits();
-    let mut decoder = reader.into_decoder().map_err(fault)?;
-    let (width, height) = decoder.dimensions();
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > *pixels_left {
-        let (found, limit) = (limits.max_texture_pixels - *pixels_left + pixels, limits.max_texture_pixels);
-        return Err(Fault::LimitExceeded { what: "texture pixels", found, limit });
-    }
-    // PNG and TGA pack at most about 8300 pixels into a byte (1032 : 1 for deflate, 8 one-bit pixels).
-    if pixels / 8300 > bytes.len() as u64 {
-        let reason = format!("it has too little data for its {width} x {height} pixels");
-        return Err(Fault::element(format!("image `{name}`"), reason));
-    }
-    if channel == Channel::Alpha && !decoder.color_type().has_alpha() {
+    if channel == Channel::Alpha && !file.has_alpha() {
         return Ok(ImageOpacity::Opaque);
     }
-    let mut decoding = image::Limits::no_limits();
-    decoding.max_alloc = Some(pixels.saturating_mul(16).saturating_add(64 << 20));
-    decoder.set_limits(decoding).map_err(fault)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(fault)?;
+    let (pixels, image) = (file.pixels(), file.decode()?);
     let texels = texels(&image, channel);
     if texels.iter().all(|&t| t == u8::MAX) {
         return Ok(ImageOpacity::Opaque);
     }
-    match AlphaTexture::new(width, height, texels) {
+    match AlphaTexture::new(image.width(), image.height(), texels) {
         Some(texture) => {
             *pixels_left -= pixels;
             Ok(ImageOpacity::Texture(texture))
         }
         None => Err(Fault::element(format!("image `{name}`"), "it has no pixels")),
-    }
-}
-
-/// The kind by the first bytes; TGA has none of its own and goes by its name.
-fn kind(name: &str, bytes: &[u8]) -> Result<ImageFormat, &'static str> {
-    let ends = |ending: &str| name.to_ascii_lowercase().ends_with(ending);
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Ok(ImageFormat::Png),
-        [0xff, 0xd8, 0xff, ..] => Ok(ImageFormat::Jpeg),
-        [b'B', b'M', ..] if !ends(".tga") => Ok(ImageFormat::Bmp),
-        [0xab, b'K', b'T', b'X', ..] => Err("KTX"),
-        [b'D', b'D', b'S', b' ', ..] => Err("DDS"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Err("WebP"),
-        [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Err("TIFF"),
-        [b'G', b'I', b'F', b'8', ..] => Err("GIF"),
-        [b'8', b'B', b'P', b'S', ..] => Err("PSD"),
-        _ if ends(".tga") => Ok(ImageFormat::Tga),
-        // A file that pretends to be one of these and is not deserves the decoder's words.
-        _ if ends(".png") => Ok(ImageFormat::Png),
-        _ if ends(".jpg") || ends(".jpeg") => Ok(ImageFormat::Jpeg),
-        _ => Err("an unknown kind of image"),
     }
 }
 

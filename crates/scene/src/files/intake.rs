@@ -1,6 +1,7 @@
 //! A scene while it is being loaded.
 
 use super::error::Fault;
+use super::extras::Extras;
 use super::limits::Limits;
 use super::source::Resolver;
 use crate::Scene;
@@ -14,6 +15,8 @@ pub(super) struct Intake<'a> {
     pub resolve: &'a Resolver<'a>,
     /// What may be asked for.
     pub limits: &'a Limits,
+    /// What is wanted beside what occludes.
+    pub extras: Extras,
     /// What is left of [`Limits::max_texture_pixels`].
     pub pixels_left: u64,
     /// Triangles of all meshes so far.
@@ -22,9 +25,9 @@ pub(super) struct Intake<'a> {
 
 impl<'a> Intake<'a> {
     /// An empty scene.
-    pub(super) fn new(name: String, resolve: &'a Resolver<'a>, limits: &'a Limits) -> Self {
+    pub(super) fn new(name: String, resolve: &'a Resolver<'a>, limits: &'a Limits, extras: Extras) -> Self {
         let scene = Scene { name, ..Scene::default() };
-        Self { scene, resolve, limits, pixels_left: limits.max_texture_pixels, triangles: 0 }
+        Self { scene, resolve, limits, extras, pixels_left: limits.max_texture_pixels, triangles: 0 }
     }
 
     /// Counts triangles against [`Limits::max_triangles`].

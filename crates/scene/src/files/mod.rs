@@ -1,9 +1,12 @@
 //! Scene files.
 
 mod error;
+mod extras;
 mod format;
 mod gltf;
 mod image_alpha;
+mod image_file;
+mod image_normals;
 mod intake;
 mod limits;
 mod normals;
@@ -18,6 +21,7 @@ mod weld;
 
 pub(crate) use error::shown;
 pub use error::{Fault, Place, SceneError};
+pub use extras::Extras;
 pub use format::Format;
 pub use limits::Limits;
 pub use normals::CREASE_ANGLE_DEG;
@@ -40,11 +44,20 @@ use std::path::Path;
 /// [`SceneError`] names the file and the fault. A material file or texture that is missing, a degenerate triangle and
 /// the like are [`warnings`](Scene::warnings) instead.
 pub fn load(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
+    load_with(path, limits, Extras::default())
+}
+
+/// The same with more of what a file holds than what occludes.
+///
+/// # Errors
+///
+/// As for [`load`].
+pub fn load_with(path: &Path, limits: &Limits, extras: Extras) -> Result<Scene, SceneError> {
     let at = |fault| SceneError { path: path.to_path_buf(), fault };
     let bytes = read_file(path, limits.max_file_bytes).map_err(at)?;
     let root = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let folder = Folder { root, max_bytes: limits.max_file_bytes };
-    load_named(path, &bytes, None, &|name| folder.read(name), limits).map_err(at)
+    load_named(path, &bytes, None, &|name| folder.read(name), limits, extras).map_err(at)
 }
 
 /// Loads a scene from the bytes of its file.
@@ -62,7 +75,23 @@ pub fn load_bytes(
     resolve: &Resolver,
     limits: &Limits,
 ) -> Result<Scene, SceneError> {
-    load_named(Path::new(name), bytes, format, resolve, limits)
+    load_bytes_with(name, bytes, format, resolve, limits, Extras::default())
+}
+
+/// The same with more of what a file holds than what occludes.
+///
+/// # Errors
+///
+/// As for [`load`].
+pub fn load_bytes_with(
+    name: &str,
+    bytes: &[u8],
+    format: Option<Format>,
+    resolve: &Resolver,
+    limits: &Limits,
+    extras: Extras,
+) -> Result<Scene, SceneError> {
+    load_named(Path::new(name), bytes, format, resolve, limits, extras)
         .map_err(|fault| SceneError { path: name.into(), fault })
 }
 
@@ -77,11 +106,12 @@ fn load_named(
     format: Option<Format>,
     resolve: &Resolver,
     limits: &Limits,
+    extras: Extras,
 ) -> Result<Scene, Fault> {
     Limits::check("bytes in the file", bytes.len() as u64, limits.max_file_bytes)?;
     let format = format.or_else(|| Format::detect(path, bytes)).ok_or(Fault::UnknownFormat)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let mut intake = Intake::new(name, resolve, limits);
+    let mut intake = Intake::new(name, resolve, limits, extras);
     match format {
         Format::Obj => obj::load(bytes, &mut intake)?,
         Format::Gltf => gltf::load(bytes, &mut intake)?,

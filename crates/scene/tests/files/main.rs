@@ -6,6 +6,7 @@ mod gltf_materials;
 mod gltf_meshes;
 mod gltf_nodes;
 mod hostile;
+mod normal_maps;
 mod obj;
 mod obj_materials;
 mod obj_normals;

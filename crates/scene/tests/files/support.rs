@@ -1,7 +1,7 @@
 //! Short ways to load a text, to make an image and to make a glTF.
 
 use conray_core::{TriangleMesh, Vec3};
-use conray_scene::{Limits, Scene, SceneError, WarningKind, load_bytes};
+use conray_scene::{Extras, Limits, Scene, SceneError, WarningKind, load_bytes_with};
 use serde_json::{Value, json};
 use std::io;
 
@@ -16,11 +16,21 @@ pub(crate) fn load_with(
     bytes: impl AsRef<[u8]>,
     others: &[(&str, &[u8])],
 ) -> Result<Scene, SceneError> {
+    load_extras(name, bytes, others, Extras::default())
+}
+
+/// The same with more than what occludes.
+pub(crate) fn load_extras(
+    name: &str,
+    bytes: impl AsRef<[u8]>,
+    others: &[(&str, &[u8])],
+    extras: Extras,
+) -> Result<Scene, SceneError> {
     let resolve = |wanted: &str| {
         let found = others.iter().find(|(name, _)| *name == wanted);
         found.map(|(_, bytes)| bytes.to_vec()).ok_or_else(|| io::ErrorKind::NotFound.into())
     };
-    load_bytes(name, bytes.as_ref(), None, &resolve, &Limits::default())
+    load_bytes_with(name, bytes.as_ref(), None, &resolve, &Limits::default(), extras)
 }
 
 /// How often a kind of oddity was met.

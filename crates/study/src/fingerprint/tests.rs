@@ -74,7 +74,7 @@ impl Parts {
             factor: 1.0,
             cutoff: self.cutoff,
         });
-        geometry.add_material(Material { opacity, name: self.name.into(), double_sided: false });
+        geometry.add_material(Material { opacity, name: self.name.into(), ..Material::default() });
         let mesh = TriangleMesh::new(vec![Vec3::ZERO, Vec3::X, self.corner], vec![[0, 1, 2]]).unwrap();
         let mesh = mesh.with_uv_set(vec![self.uv, Vec2::X, Vec2::Y]).unwrap().with_name(self.name);
         let mesh = geometry.add_mesh(mesh).unwrap();

@@ -53,6 +53,8 @@ pub struct AtlasTarget {
     texels: Vec<(TexelOf, f32)>,
     /// For each point the surface that it lies on.
     surfaces: Vec<u32>,
+    /// For each point the triangle of that, and the weights of its second and third corner.
+    places: Vec<(u32, [f32; 2])>,
     unusable: usize,
 }
 
@@ -63,6 +65,7 @@ type TexelOf = (u32, u32);
 struct Sample {
     texel: u32,
     surface: u32,
+    place: (u32, [f32; 2]),
     area: f32,
     off: f32,
     point: SurfacePoint,
@@ -115,6 +118,7 @@ impl Atlas {
             points: Vec::new(),
             texels: Vec::new(),
             surfaces: Vec::new(),
+            places: Vec::new(),
             unusable: 0,
         };
         let mut top = 0;
@@ -151,14 +155,15 @@ impl Atlas {
             let id = first + (y - rows.start * fine + top * fine) * size[0] + x;
             let point = SurfacePoint { id, footprint: point.footprint / fine as f32, ..point };
             let texel = y / fine * width + x / fine;
-            Sample { texel, surface: surface as u32, area: touched.area, off: touched.off, point }
+            let place = (triangle as u32, [touched.weights[1], touched.weights[2]]);
+            Sample { texel, surface: surface as u32, place, area: touched.area, off: touched.off, point }
         };
         let mut samples: Vec<Sample> = owners.each(&triangles, sample).into_iter().flatten().collect();
         if fine > 1 {
             samples.par_sort_by_key(|sample| sample.texel);
             samples = chosen(samples);
         }
-        for Sample { texel, surface, area, point, .. } in samples {
+        for Sample { texel, surface, place, area, point, .. } in samples {
             if !point.is_valid() {
                 target.unusable += 1;
                 continue;
@@ -166,6 +171,7 @@ impl Atlas {
             target.points.push(point);
             target.texels.push(((*map as u32, texel), if area > 0.0 { area } else { 1.0 }));
             target.surfaces.push(surface);
+            target.places.push(place);
         }
     }
 }
@@ -189,6 +195,11 @@ impl AtlasTarget {
     /// The surface that each point lies on.
     pub fn surfaces(&self) -> &[u32] {
         &self.surfaces
+    }
+
+    /// The triangle of its surface that each point lies on, and the weights of the triangle's second and third corner there.
+    pub fn places(&self) -> &[(u32, [f32; 2])] {
+        &self.places
     }
 }
 

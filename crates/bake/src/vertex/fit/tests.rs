@@ -33,7 +33,7 @@ fn target(mesh: TriangleMesh, fitting: &VertexSettings, threads: usize) -> (Sess
     let options = SessionOptions { threads };
     let session = Session::build_observed(geometry, &settings, &options, &|_| {}).unwrap();
     let target =
-        VertexTarget::new(&session, Slots::of(&session, &[0], &[0]), fitting, crate::Facing::default())
+        VertexTarget::new(&session, Slots::of(&session, &[0], &[0]), fitting, &crate::Facing::default())
             .unwrap();
     (session, target)
 }

@@ -1,8 +1,9 @@
-//! The materials of a glTF: their opacity.
+//! The materials of a glTF: their opacity, and what else is wanted.
 
 use super::data::{Data, get};
+use super::images::{Found, find};
+use super::normal_maps::NormalMaps;
 use super::schema::{MaterialDef, Texture, TextureInfo};
-use super::uri::read_uri;
 use crate::WarningKind;
 use crate::files::error::{Fault, shown};
 use crate::files::image_alpha::{Channel, ImageOpacity, read_opacity, simplify};
@@ -16,15 +17,16 @@ use std::sync::Arc;
 pub(super) struct Materials<'d> {
     data: &'d Data<'d>,
     images: HashMap<usize, Option<Arc<AlphaTexture>>>,
+    normal_maps: NormalMaps<'d>,
 }
 
 impl<'d> Materials<'d> {
     /// A reader that has not read anything.
     pub(super) fn new(data: &'d Data<'d>) -> Self {
-        Self { data, images: HashMap::new() }
+        Self { data, images: HashMap::new(), normal_maps: NormalMaps::new(data) }
     }
 
-    /// Opacity by `alphaMode`: "glTF 2.0 Specification", section 3.9.4.
+    /// A material: its opacity, and its normal map where these are wanted.
     pub(super) fn material(
         &mut self,
         index: usize,
@@ -32,14 +34,18 @@ impl<'d> Materials<'d> {
         intake: &mut Intake,
     ) -> Result<Material, Fault> {
         let name = format!("material {index}");
+        let opacity = self.opacity(&name, def, intake)?;
+        let normal_map = match &def.normal_texture {
+            Some(info) if intake.extras.normal_maps => self.normal_maps.read(info, &name, intake)?,
+            _ => None,
+        };
+        Ok(Material { name: def.name.clone(), opacity, double_sided: def.double_sided, normal_map })
+    }
+
+    /// Opacity by `alphaMode`: "glTF 2.0 Specification", section 3.9.4.
+    fn opacity(&mut self, name: &str, def: &MaterialDef, intake: &mut Intake) -> Result<Opacity, Fault> {
         let cutoff = match def.alpha_mode.as_deref() {
-            None | Some("OPAQUE") => {
-                return Ok(Material {
-                    name: def.name.clone(),
-                    double_sided: def.double_sided,
-                    ..Material::default()
-                });
-            }
+            None | Some("OPAQUE") => return Ok(Opacity::default()),
             Some("MASK") => Some(def.alpha_cutoff.unwrap_or(0.5)),
             Some("BLEND") => None,
             Some(mode) => {
@@ -57,12 +63,11 @@ impl<'d> Materials<'d> {
         };
         let factor = factor.map_or(1.0, |[_, _, _, a]| a).clamp(0.0, 1.0);
         let textured = match info {
-            Some(info) => self.textured(info, factor, cutoff, &name, intake)?,
+            Some(info) => self.textured(info, factor, cutoff, name, intake)?,
             None => None,
         };
         let constant = || Opacity::Constant(cutoff.map_or(factor, |cutoff| f32::from(factor >= cutoff)));
-        let opacity = textured.unwrap_or_else(constant);
-        Ok(Material { name: def.name.clone(), opacity, double_sided: def.double_sided })
+        Ok(textured.unwrap_or_else(constant))
     }
 
     fn textured(
@@ -75,14 +80,7 @@ impl<'d> Materials<'d> {
     ) -> Result<Option<Opacity>, Fault> {
         let texture = get(&self.data.root.textures, info.index, "texture", asker)?;
         let Some(image) = self.image(texture, info.index, intake)? else { return Ok(None) };
-        let wrap = match texture.sampler {
-            None => [Wrap::Repeat; 2],
-            Some(sampler) => {
-                let sampler =
-                    get(&self.data.root.samplers, sampler, "sampler", &format!("texture {}", info.index))?;
-                [sampler.wrap_s, sampler.wrap_t].map(wrap)
-            }
-        };
+        let wrap = wraps(self.data, texture, info.index)?;
         let (texture_from_uv, uv_set) = placement(info);
         Ok(Some(simplify(TextureOpacity { texture: image, uv_set, texture_from_uv, wrap, factor, cutoff })))
     }
@@ -94,55 +92,43 @@ impl<'d> Materials<'d> {
         index: usize,
         intake: &mut Intake,
     ) -> Result<Option<Arc<AlphaTexture>>, Fault> {
-        let asker = format!("texture {index}");
-        let Some(source) = texture.source else {
-            // Only in an extension's format, such as KHR_texture_basisu.
-            let other = texture.extensions.keys().next();
-            let feature = other
-                .map(|name| format!("{} (which the opacity of a material needs)", shown(name.as_bytes())));
-            return match feature {
-                Some(feature) => Err(Fault::unsupported(feature)),
-                None => {
-                    intake.scene.warn(WarningKind::MissingTexture, 1, format!("{asker} without an image"));
-                    Ok(None)
-                }
-            };
-        };
-        if let Some(known) = self.images.get(&source) {
+        if let Some(known) = texture.source.and_then(|source| self.images.get(&source)) {
             return Ok(known.clone());
         }
-        let def = get(&self.data.root.images, source, "image", &asker)?;
-        let name = format!("image {source}");
-        let inline;
-        let (file, bytes) = match (&def.uri, def.buffer_view) {
-            (Some(uri), _) => match read_uri(uri, &name, intake)? {
-                Ok(bytes) => {
-                    inline = bytes;
-                    (if uri.starts_with("data:") { &name } else { uri }, &inline[..])
+        let opacity = match find(self.data, texture, index, intake)? {
+            Found::File { name, bytes } => {
+                match read_opacity(&name, &bytes, Channel::Alpha, &mut intake.pixels_left, intake.limits)? {
+                    ImageOpacity::Opaque => None,
+                    ImageOpacity::Texture(texture) => Some(Arc::new(texture)),
+                    ImageOpacity::UnknownKind(kind) => {
+                        return Err(Fault::unsupported(format!(
+                            "{name} of kind {kind} (which the opacity of a material needs)"
+                        )));
+                    }
                 }
-                Err(error) => {
-                    let example = format!("{}: {error}", shown(uri.as_bytes()));
-                    intake.scene.warn(WarningKind::MissingTexture, 1, example);
-                    self.images.insert(source, None);
-                    return Ok(None);
-                }
-            },
-            (None, Some(view)) => (&name, self.data.view(view, &name)?.bytes),
-            (None, None) => return Err(Fault::element(name, "it has neither a URI nor a buffer view")),
-        };
-        let opacity = match read_opacity(file, bytes, Channel::Alpha, &mut intake.pixels_left, intake.limits)?
-        {
-            ImageOpacity::Opaque => None,
-            ImageOpacity::Texture(texture) => Some(Arc::new(texture)),
-            ImageOpacity::UnknownKind(kind) => {
+            }
+            Found::OtherFormat(extension) => {
                 return Err(Fault::unsupported(format!(
-                    "{name} of kind {kind} (which the opacity of a material needs)"
+                    "{extension} (which the opacity of a material needs)"
                 )));
             }
+            Found::Missing(example) => {
+                intake.scene.warn(WarningKind::MissingTexture, 1, example);
+                None
+            }
         };
-        self.images.insert(source, opacity.clone());
+        if let Some(source) = texture.source {
+            self.images.insert(source, opacity.clone());
+        }
         Ok(opacity)
     }
+}
+
+/// What a texture's sampler does outside the unit square.
+pub(super) fn wraps(data: &Data, texture: &Texture, index: usize) -> Result<[Wrap; 2], Fault> {
+    let Some(sampler) = texture.sampler else { return Ok([Wrap::Repeat; 2]) };
+    let sampler = get(&data.root.samplers, sampler, "sampler", &format!("texture {index}"))?;
+    Ok([sampler.wrap_s, sampler.wrap_t].map(wrap))
 }
 
 fn wrap(code: Option<u32>) -> Wrap {
@@ -156,7 +142,7 @@ fn wrap(code: Option<u32>) -> Wrap {
 /// `KHR_texture_transform`: scale first, then the rotation, then the offset; and the UV set that is meant.
 ///
 /// The rotation turns UVs counter-clockwise as one sees them with v pointing down, hence the sign.
-fn placement(info: &TextureInfo) -> (Affine2, usize) {
+pub(super) fn placement(info: &TextureInfo) -> (Affine2, usize) {
     let Some(transform) = &info.extensions.transform else { return (Affine2::IDENTITY, info.tex_coord) };
     let (sin, cos) = transform.rotation.sin_cos();
     let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));

@@ -7,9 +7,11 @@ mod accessor;
 mod cameras;
 mod container;
 mod data;
+mod images;
 mod materials;
 mod meshopt;
 mod nodes;
+mod normal_maps;
 mod place;
 mod primitive;
 mod schema;
@@ -155,7 +157,12 @@ impl Meshes<'_> {
                 *self.default.get_or_insert_with(|| intake.scene.geometry.add_material(Material::default()))
             }
         };
-        let is_read = |key: &str| key == "POSITION" || key == "NORMAL" || key.starts_with("TEXCOORD_");
+        let tangents = intake.extras.tangents;
+        let is_read = |key: &str| {
+            matches!(key, "POSITION" | "NORMAL")
+                || key.starts_with("TEXCOORD_")
+                || tangents && key == "TANGENT"
+        };
         let attributes = primitive
             .attributes
             .iter()

@@ -7,7 +7,7 @@ use crate::WarningKind;
 use crate::files::error::Fault;
 use crate::files::intake::Intake;
 use crate::files::normals::{repair_normals, unit};
-use conray_core::{GeometryError, TriangleMesh, Vec2, Vec3};
+use conray_core::{GeometryError, TriangleMesh, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
 /// UV sets beyond this many are not read.
@@ -65,6 +65,13 @@ pub(super) fn read_primitive(
     let mut mesh = TriangleMesh::new(points, triangles).map_err(fault)?;
     if let Some(normals) = normals {
         mesh = mesh.with_normals(normals).map_err(fault)?;
+    }
+    // Without normals the tangents are to be passed over: section 3.7.2.1 again.
+    if intake.extras.tangents
+        && !mesh.normals().is_empty()
+        && let Some(tangents) = tangents(data, name, primitive, &positions, &vertices)?
+    {
+        mesh = mesh.with_tangents(tangents).map_err(fault)?;
     }
     for uvs in uv_sets(data, name, primitive, &positions, &vertices)? {
         mesh = mesh.with_uv_set(uvs).map_err(fault)?;
@@ -163,6 +170,23 @@ fn normals(
 ) -> Result<Option<Vec<Vec3>>, Fault> {
     let accessor = attribute(data, name, primitive, "NORMAL", 3, positions)?;
     Ok(accessor.map(|a| vertices.iter().map(|&v| unit(Vec3::from_array(a.floats(v as usize)))).collect()))
+}
+
+/// Tangents as they are, of no length where they say nothing.
+fn tangents(
+    data: &Data,
+    name: &str,
+    primitive: &Primitive,
+    positions: &Accessor,
+    vertices: &[u32],
+) -> Result<Option<Vec<Vec4>>, Fault> {
+    let Some(accessor) = attribute(data, name, primitive, "TANGENT", 4, positions)? else { return Ok(None) };
+    data.spend(16 * vertices.len() as u64)?;
+    let tangent = |&v: &u32| {
+        let [x, y, z, w] = accessor.floats(v as usize);
+        unit(Vec3::new(x, y, z)).extend(if w < 0.0 { -1.0 } else { 1.0 })
+    };
+    Ok(Some(vertices.iter().map(tangent).collect()))
 }
 
 /// Set n at place n; sets that are left out are zero.

@@ -194,6 +194,7 @@ pub(super) struct MaterialDef {
     pub alpha_cutoff: Option<f32>,
     pub double_sided: bool,
     pub pbr_metallic_roughness: MetallicRoughness,
+    pub normal_texture: Option<NormalTextureInfo>,
     pub extensions: MaterialExtensions,
 }
 
@@ -225,6 +226,14 @@ pub(super) struct TextureInfo {
     pub index: usize,
     pub tex_coord: usize,
     pub extensions: TextureInfoExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NormalTextureInfo {
+    #[serde(flatten)]
+    pub texture: TextureInfo,
+    pub scale: Option<f32>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,6 +1,7 @@
 //! The materials that an OBJ uses, from its MTL files and their textures.
 
 use super::mtl::{MtlMaterial, TextureStatement, parse_mtl};
+use super::normal_maps::ObjNormalMaps;
 use crate::WarningKind;
 use crate::files::error::{Fault, shown};
 use crate::files::image_alpha::{Channel, ImageOpacity, read_opacity, simplify};
@@ -52,6 +53,7 @@ fn read_statement(intake: &mut Intake, statement: &str) -> Vec<Vec<u8>> {
 #[derive(Default)]
 pub(super) struct ObjMaterials {
     textures: HashMap<(String, Channel), Option<Arc<AlphaTexture>>>,
+    normals: ObjNormalMaps,
 }
 
 impl ObjMaterials {
@@ -73,7 +75,8 @@ impl ObjMaterials {
             None => Opacity::Constant(mtl.opacity),
         };
         // MTL does not say which faces are seen from behind, and viewers show both.
-        Ok(Material { name: mtl.name.clone(), opacity, double_sided: true })
+        let normal_map = if intake.extras.normal_maps { self.normals.read(intake, mtl)? } else { None };
+        Ok(Material { name: mtl.name.clone(), opacity, double_sided: true, normal_map })
     }
 
     fn texture(
@@ -134,14 +137,13 @@ fn textured(map: &TextureStatement, texture: Arc<AlphaTexture>, factor: f32) -> 
         let texels = texture.texels().iter().map(change).collect();
         AlphaTexture::new(texture.width(), texture.height(), texels).map_or(texture, Arc::new)
     };
+    let (texture_from_uv, wrap) = placement(map);
+    simplify(TextureOpacity { texture, uv_set: 0, texture_from_uv, wrap, factor, cutoff: None })
+}
+
+/// From a mesh's UVs to the texture, and what lies outside of it.
+pub(super) fn placement(map: &TextureStatement) -> (Affine2, [Wrap; 2]) {
     // OBJ's v points up, and the first row of the texture is the top of the picture.
     let flip = Affine2::from_scale_angle_translation(Vec2::new(1.0, -1.0), 0.0, Vec2::Y);
-    simplify(TextureOpacity {
-        texture,
-        uv_set: 0,
-        texture_from_uv: flip * map.texture_from_uv,
-        wrap: [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2],
-        factor,
-        cutoff: None,
-    })
+    (flip * map.texture_from_uv, [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2])
 }

@@ -3,6 +3,7 @@
 mod faces;
 mod materials;
 mod mtl;
+mod normal_maps;
 mod parse;
 
 use crate::WarningKind;

@@ -6,8 +6,8 @@ use crate::files::image_alpha::Channel;
 use crate::files::text::{Lines, float, name, word};
 use conray_core::{Affine2, Vec2};
 
-/// The opacity of one material as written.
-#[derive(Clone, Debug, PartialEq)]
+/// The opacity and the normals of one material as written.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MtlMaterial {
     pub name: String,
     /// `d`, else `1 - Tr`, else 1; in [0, 1].
@@ -16,6 +16,10 @@ pub(super) struct MtlMaterial {
     pub opacity_map: Option<TextureStatement>,
     /// `map_Kd`, whose alpha channel counts where there is no `map_d`.
     pub colour_map: Option<TextureStatement>,
+    /// `norm`: normals in tangent space.
+    pub normal_map: Option<TextureStatement>,
+    /// `map_Bump` or `bump`: heights, or what exporters make of it.
+    pub bump_map: Option<TextureStatement>,
 }
 
 /// A texture with the options before its name.
@@ -31,6 +35,8 @@ pub(super) struct TextureStatement {
     pub base_gain: [f32; 2],
     /// `-imfchan`: which channel is meant.
     pub channel: Option<Channel>,
+    /// `-bm`: multiplies how much normals are bent.
+    pub multiplier: f32,
 }
 
 /// Reads the materials of an MTL file; what is not understood is passed over.
@@ -42,7 +48,7 @@ pub(super) fn parse_mtl(text: &[u8]) -> Vec<MtlMaterial> {
         let keyword = word(&mut rest).to_ascii_lowercase();
         if keyword == b"newmtl" {
             let name = name(rest);
-            materials.push(MtlMaterial { name, opacity: 1.0, opacity_map: None, colour_map: None });
+            materials.push(MtlMaterial { name, opacity: 1.0, ..MtlMaterial::default() });
             (has_d, transparency) = (false, None);
             continue;
         }
@@ -56,6 +62,8 @@ pub(super) fn parse_mtl(text: &[u8]) -> Vec<MtlMaterial> {
             }
             b"tr" => transparency = first_number(rest),
             b"map_d" | b"map_opacity" => material.opacity_map = texture_statement(rest),
+            b"norm" | b"map_norm" | b"map_kn" => material.normal_map = texture_statement(rest),
+            b"map_bump" | b"bump" => material.bump_map = texture_statement(rest),
             b"map_kd" => material.colour_map = texture_statement(rest),
             _ => {}
         }
@@ -87,6 +95,7 @@ fn texture_statement(mut rest: &[u8]) -> Option<TextureStatement> {
         clamp: false,
         base_gain: [0.0, 1.0],
         channel: None,
+        multiplier: 1.0,
     };
     loop {
         let mut ahead = rest;
@@ -108,7 +117,8 @@ fn texture_statement(mut rest: &[u8]) -> Option<TextureStatement> {
                     _ => None,
                 }
             }
-            b"-blendu" | b"-blendv" | b"-cc" | b"-texres" | b"-bm" | b"-boost" | b"-type" => {
+            b"-bm" => out.multiplier = float(word(&mut ahead)).filter(|n| n.is_finite()).unwrap_or(1.0),
+            b"-blendu" | b"-blendv" | b"-cc" | b"-texres" | b"-boost" | b"-type" => {
                 word(&mut ahead);
             }
             _ => break,
