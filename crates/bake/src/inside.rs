@@ -15,13 +15,17 @@ const RAYS: u32 = 24;
 const MOST_OTHERS: u32 = 3;
 /// Rays that decide it where all of them meet back faces.
 const CLEARLY_IN: u32 = 16;
+/// Pixels are asked in lattices of so many pixels, each with the wider one whose pixels are known by then.
+const LATTICES: [(u32, Option<u32>); 3] = [(4, None), (2, Some(4)), (1, Some(2))];
+/// A pixel whose visibility is less than this share of that of neighbours outside may lie inside though they do not.
+const AS_OPEN: f32 = 0.5;
 /// Neighbours lie on the same surface if they are no farther than so many texels, and their normals have at least this cosine.
 const NEAR: f32 = 4.0;
 const LIKE: f32 = 0.9;
 
 /// Tells which points lie inside what occludes in a session. Back faces of materials that are seen from both sides, or through, do not count.
 ///
-/// In an image only one point in four is asked about by rays; others are what their neighbours are where these are of one mind.
+/// In an image only one point in sixteen is asked about by rays for sure; others are what their neighbours are where these are of one mind.
 pub fn inside(
     session: &Session,
     points: &[SurfacePoint],
@@ -38,20 +42,27 @@ pub fn inside(
         Layout::Scattered => (0..points.len()).into_par_iter().with_min_len(64).map(by_rays).collect(),
         Layout::Image { first, width, height } => {
             let grid = Grid::of(points, first, [width, height]);
-            let on_lattice = |index: usize| {
-                let [x, y] = grid.place(&points[index]);
-                (x % 2, y % 2) == (0, 0)
-            };
-            let lattice = (0..points.len()).into_par_iter().with_min_len(64);
-            let lattice: Vec<Option<bool>> =
-                lattice.map(|index| on_lattice(index).then(|| by_rays(index)).flatten()).collect();
-            let rest = (0..points.len()).into_par_iter().with_min_len(64);
-            rest.map(|index| match on_lattice(index) {
-                true => lattice[index],
-                false if estimates[index].visibility > MOST_OPEN => None,
-                false => grid.of_one_mind(points, index, &lattice).or_else(|| by_rays(index)),
-            })
-            .collect()
+            let mut found = vec![None; points.len()];
+            // From a wide lattice to all pixels: between those of one mind nobody is asked.
+            for (step, wider) in LATTICES {
+                let at_step = |index: usize, step: u32| {
+                    let [x, y] = grid.place(&points[index]);
+                    (x % step, y % step) == (0, 0)
+                };
+                let answer = |index: usize| match at_step(index, step) {
+                    true if wider.is_none_or(|wider| !at_step(index, wider)) => {
+                        if estimates[index].visibility > MOST_OPEN {
+                            return None;
+                        }
+                        let told =
+                            wider.and_then(|_| grid.of_one_mind(points, estimates, index, step, &found));
+                        told.or_else(|| by_rays(index))
+                    }
+                    _ => found[index],
+                };
+                found = (0..points.len()).into_par_iter().with_min_len(64).map(answer).collect();
+            }
+            found
         }
     });
     found.into_iter().map(|inside| inside == Some(true)).collect()
@@ -79,10 +90,18 @@ impl Grid {
         [pixel % self.size[0], pixel / self.size[0]]
     }
 
-    /// What the neighbours on the lattice of even pixels say where all do that lie on the same surface, and two at least.
-    fn of_one_mind(&self, points: &[SurfacePoint], index: usize, lattice: &[Option<bool>]) -> Option<bool> {
+    /// What the neighbours on the lattice of twice the step say where all do that lie on the same surface, and two at least.
+    fn of_one_mind(
+        &self,
+        points: &[SurfacePoint],
+        estimates: &[Estimate],
+        index: usize,
+        step: u32,
+        lattice: &[Option<bool>],
+    ) -> Option<bool> {
         let point = &points[index];
-        let about = self.place(point).map(|at| if at % 2 == 0 { [at, u32::MAX] } else { [at - 1, at + 1] });
+        let sides = |at: u32| if at % (2 * step) == 0 { [at, u32::MAX] } else { [at - step, at + step] };
+        let about = self.place(point).map(sides);
         let (mut said, mut count) = (None, 0);
         for (x, y) in about[0].iter().flat_map(|&x| about[1].iter().map(move |&y| (x, y))) {
             if x >= self.size[0] || y >= self.size[1] {
@@ -95,8 +114,14 @@ impl Grid {
             {
                 continue;
             }
-            // One that was not asked says nothing.
-            let inside = lattice[near]?;
+            if estimates[near].is_pending() {
+                continue;
+            }
+            // One that was not asked is open.
+            let inside = lattice[near].unwrap_or(false);
+            if !inside && estimates[index].visibility < AS_OPEN * estimates[near].visibility {
+                return None;
+            }
             if said.is_some_and(|said| said != inside) {
                 return None;
             }

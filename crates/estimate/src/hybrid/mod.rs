@@ -78,6 +78,8 @@ pub struct Hybrid {
     known: Known,
     weigher: Weigher,
     rounds: Vec<Round>,
+    /// How many rounds there were when work began anew with full bundles, if it did.
+    begun_anew: Option<usize>,
     choice: Choice,
     costs: Costs,
     /// Rays a point that the plan reckons with.
@@ -109,6 +111,7 @@ impl Hybrid {
             known: Known::default(),
             weigher: Weigher::default(),
             rounds: Vec::new(),
+            begun_anew: None,
             choice: Choice::Hybrid,
             costs: Costs::default(),
             foreseen: 0.0,

@@ -98,6 +98,7 @@ impl Hybrid {
     /// The lattice, anew where there was one in smaller bundles.
     fn begin(&mut self, work: &Work<'_>) {
         if self.started {
+            self.begun_anew = Some(self.rounds.len());
             self.pilot_rays = self.rays_of_rounds();
             self.tallies.fill(Tally::default());
             self.units = 0;

@@ -7,6 +7,7 @@
 //! | 16 each | fingerprints: scene, points, distance, what rays count and where they go, seed |
 //! | 8 | places |
 //! | 4, 4, 4, 1, 1, 8 | units of the lattice, how units and bundles err, started, evenly, rays in no tally |
+//! | 8 | rounds before work began anew, plus 1; 0 where it did not |
 //! | 8 + 24 n | rounds: rays a point, expected RMSE, seconds |
 //! | 28 each | tallies: units, sum, two variances, open direction |
 //! | 1, 28 each | whether a round was interrupted, and its tallies |
@@ -27,7 +28,7 @@ use twox_hash::XxHash3_128;
 
 const MAGIC: &[u8; 8] = b"conrayhy";
 /// Raised whenever the layout changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const CHECKSUM_BYTES: usize = 16;
 const ROUND_BYTES: usize = 24;
 /// More rounds than any work takes.
@@ -98,6 +99,7 @@ impl Hybrid {
         bytes.extend(self.rays.full.to_le_bytes());
         bytes.extend([u8::from(self.started), u8::from(self.choice == Choice::Evenly)]);
         bytes.extend(self.pilot_rays.to_le_bytes());
+        bytes.extend(self.begun_anew.map_or(0, |rounds| rounds as u64 + 1).to_le_bytes());
         bytes.extend((self.rounds.len() as u64).to_le_bytes());
         for round in &self.rounds {
             for value in [round.rays_per_point, round.expected_rmse, round.seconds] {
@@ -179,10 +181,11 @@ impl Hybrid {
         self.started = started != 0;
         self.choice = if evenly == 0 { Choice::Hybrid } else { Choice::Evenly };
         self.pilot_rays = u64::from_le_bytes(rest.array()?);
-        let rounds = u64::from_le_bytes(rest.array()?);
-        if rounds > MOST_ROUNDS as u64 {
+        let [begun_anew, rounds] = [rest.array()?, rest.array()?].map(u64::from_le_bytes);
+        if rounds > MOST_ROUNDS as u64 || begun_anew > rounds + 1 {
             return Err(damaged("it has too many rounds"));
         }
+        self.begun_anew = begun_anew.checked_sub(1).map(|rounds| rounds as usize);
         for _ in 0..rounds {
             let [rays_per_point, expected_rmse, seconds] =
                 [rest.array()?, rest.array()?, rest.array()?].map(f64::from_le_bytes);

@@ -56,6 +56,8 @@ pub struct AtlasTarget {
     /// For each point the triangle of that, and the weights of its second and third corner.
     places: Vec<(u32, [f32; 2])>,
     unusable: usize,
+    /// Several points may stand for parts of one texel.
+    is_divided: bool,
 }
 
 /// A texel of a map: the map, and its place there, row by row.
@@ -120,6 +122,7 @@ impl Atlas {
             surfaces: Vec::new(),
             places: Vec::new(),
             unusable: 0,
+            is_divided: self.supersample > 1,
         };
         let mut top = 0;
         for part in &portion.parts {
@@ -158,21 +161,21 @@ impl Atlas {
             let place = (triangle as u32, [touched.weights[1], touched.weights[2]]);
             Sample { texel, surface: surface as u32, place, area: touched.area, off: touched.off, point }
         };
-        let mut samples: Vec<Sample> = owners.each(&triangles, sample).into_iter().flatten().collect();
+        let mut samples: Vec<Sample> =
+            owners.each(&triangles, sample).into_par_iter().flatten_iter().collect();
         if fine > 1 {
             samples.par_sort_by_key(|sample| sample.texel);
             samples = chosen(samples);
         }
-        for Sample { texel, surface, place, area, point, .. } in samples {
-            if !point.is_valid() {
-                target.unusable += 1;
-                continue;
-            }
-            target.points.push(point);
-            target.texels.push(((*map as u32, texel), if area > 0.0 { area } else { 1.0 }));
-            target.surfaces.push(surface);
-            target.places.push(place);
-        }
+        let all = samples.len();
+        samples.retain(|sample| sample.point.is_valid());
+        target.unusable += all - samples.len();
+        let samples = samples.par_iter();
+        target.points.par_extend(samples.clone().map(|sample| sample.point));
+        target.surfaces.par_extend(samples.clone().map(|sample| sample.surface));
+        target.places.par_extend(samples.clone().map(|sample| sample.place));
+        let counts = |area: f32| if area > 0.0 { area } else { 1.0 };
+        target.texels.par_extend(samples.map(|sample| ((*map as u32, sample.texel), counts(sample.area))));
     }
 }
 
@@ -235,6 +238,15 @@ impl Target for AtlasTarget {
     /// The texels that surfaces read, for [`AtlasMap::put`]; those of pending estimates have no value.
     fn resolve(&self, estimates: &[Estimate]) -> Result<Vec<Texel>, TargetError> {
         check_count(&self.points, estimates)?;
+        if !self.is_divided {
+            let texel = |(&((map, at), _), estimate): (&(TexelOf, f32), &Estimate)| {
+                let Estimate { visibility, error, bent, .. } = *estimate;
+                let is_known = !estimate.is_pending() && error.is_finite();
+                let texel = Texel { map, at, ..Texel::UNKNOWN };
+                if is_known { Texel { visibility, error, bent, ..texel } } else { texel }
+            };
+            return Ok(self.texels.par_iter().zip(estimates).map(texel).collect());
+        }
         let mut found = Vec::new();
         let mut parts = self.texels.iter().zip(estimates).peekable();
         while let Some(&(&((map, at), _), _)) = parts.peek() {
