@@ -14,5 +14,6 @@ mod tests;
 pub(crate) use cones::{Cones, Marches};
 pub(crate) use paper::{Paper, cone_share, ray_count};
 pub(crate) use point_rays::PointRays;
+pub use point_rays::Tally as RayTally;
 pub(crate) use rays::Rays;
 pub(crate) use squares::Squares;

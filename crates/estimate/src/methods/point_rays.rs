@@ -2,7 +2,7 @@
 
 use crate::AoPlan;
 use conray_bvh::{BUNDLE_RAYS, Bvh, Directions};
-use conray_core::{Falloff, Frame, LANES, Ray, SurfacePoint, Vec3};
+use conray_core::{Estimate, Falloff, Frame, LANES, Ray, SurfacePoint, Vec3};
 use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 
 /// All that the rays of a point share.
@@ -125,20 +125,31 @@ impl<'a> RayQueue<'a> {
     }
 }
 
-/// Sums over rays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
+/// Sums over the rays of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
     /// Rays traced.
-    pub(crate) rays: u32,
+    pub rays: u32,
     /// Sum of visibilities.
-    sum: f32,
+    pub sum: f32,
     /// Sum of squared visibilities.
-    squares: f32,
+    pub squares: f32,
     /// Sum of directions, each times its visibility.
-    pub(crate) open: Vec3,
+    pub open: Vec3,
 }
 
 impl Tally {
+    /// What the rays say.
+    pub fn estimate(&self) -> Estimate {
+        Estimate {
+            visibility: self.mean(),
+            error: self.variance_of_mean().sqrt(),
+            rays: self.rays,
+            bent: self.open / self.rays.max(1) as f32,
+            cone: None,
+        }
+    }
+
     #[inline]
     pub(super) fn add(&mut self, visibility: f32, direction: Vec3) {
         self.rays += 1;

@@ -26,14 +26,7 @@ impl Rays<'_> {
         // Each point has a sequence of its own: hashing keeps neighbours independent.
         let squares = Squares::new(self.plan, hash_u32(point.id ^ hash_u32(self.plan.seed)));
         let rays = PointRays::new(self.plan, self.bvh, point);
-        let tally = self.trace(&rays, &squares);
-        Estimate {
-            visibility: tally.mean(),
-            error: tally.variance_of_mean().sqrt(),
-            rays: tally.rays,
-            bent: tally.open / tally.rays.max(1) as f32,
-            cone: None,
-        }
+        self.trace(&rays, &squares).estimate()
     }
 
     fn trace(&self, rays: &PointRays<'_>, squares: &Squares) -> Tally {

@@ -1,0 +1,155 @@
+//! Adapters and devices.
+
+use crate::GpuError;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What is known of an adapter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterFacts {
+    /// Its name.
+    pub name: String,
+    /// The interface it is reached by: vulkan, metal, dx12.
+    pub backend: String,
+    /// The driver and what it says of itself.
+    pub driver: String,
+    /// True where it is a program on the CPU.
+    pub is_software: bool,
+    /// The largest buffer that a shader can read, in bytes.
+    pub largest_binding: u64,
+}
+
+impl AdapterFacts {
+    fn of(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        Self {
+            name: info.name,
+            backend: info.backend.to_string(),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
+            is_software: info.device_type == wgpu::DeviceType::Cpu,
+            largest_binding: adapter.limits().max_storage_buffer_binding_size,
+        }
+    }
+}
+
+fn instance() -> wgpu::Instance {
+    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
+}
+
+fn found() -> Vec<(wgpu::Adapter, AdapterFacts)> {
+    let adapters = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+    let with_facts = |adapter: wgpu::Adapter| {
+        let facts = AdapterFacts::of(&adapter);
+        (adapter, facts)
+    };
+    let mut found: Vec<_> = adapters.into_iter().map(with_facts).collect();
+    // Programs on the CPU last.
+    found.sort_by_key(|(_, facts)| facts.is_software);
+    found
+}
+
+/// The adapters of this machine, real ones first.
+pub fn adapters() -> Vec<AdapterFacts> {
+    found().into_iter().map(|(_, facts)| facts).collect()
+}
+
+/// A device at work.
+pub struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    facts: AdapterFacts,
+    /// The first thing that went wrong outside of what is asked about.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// Opens the first adapter whose name holds that text, whatever the case; without one the first that there is.
+    ///
+    /// # Errors
+    /// There is none, or it gives no device.
+    pub fn open(name: Option<&str>) -> Result<Self, GpuError> {
+        let all = found();
+        let told: Vec<String> = all.iter().map(|(_, facts)| facts.name.clone()).collect();
+        let wanted = name.map(str::to_lowercase);
+        let fits = |facts: &AdapterFacts| {
+            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
+        };
+        let Some((adapter, facts)) = all.into_iter().find(|(_, facts)| fits(facts)) else {
+            let found = if told.is_empty() { "is none".into() } else { format!("are {}", told.join(", ")) };
+            return Err(GpuError::NoAdapter { wanted: name.map(Into::into), found });
+        };
+        // Sizes as the adapter has them, for large scenes; all else as every adapter has it.
+        let limits = wgpu::Limits::default().using_resolution(adapter.limits());
+        let most = adapter.limits();
+        let limits = wgpu::Limits {
+            max_buffer_size: most.max_buffer_size,
+            max_storage_buffer_binding_size: most.max_storage_buffer_binding_size,
+            ..limits
+        };
+        let request = wgpu::DeviceDescriptor {
+            label: Some("conray"),
+            required_limits: limits,
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&request))
+            .map_err(|e| GpuError::NoDevice { adapter: facts.name.clone(), reason: e.to_string() })?;
+        let failure = Arc::new(Mutex::new(None));
+        let (lost, uncaught) = (Arc::clone(&failure), Arc::clone(&failure));
+        device.set_device_lost_callback(move |_, reason| note(&lost, reason));
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| note(&uncaught, e.to_string())));
+        Ok(Self { device, queue, facts, failure })
+    }
+
+    /// The adapter.
+    pub fn facts(&self) -> &AdapterFacts {
+        &self.facts
+    }
+
+    /// Refuses what one buffer cannot hold.
+    pub(crate) fn check_size(&self, what: &'static str, bytes: u64) -> Result<(), GpuError> {
+        let limits = self.device.limits();
+        let limit = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        if bytes <= limit {
+            return Ok(());
+        }
+        Err(GpuError::TooLarge { what, bytes, adapter: self.facts.name.clone(), limit })
+    }
+
+    /// Fails where the device has failed.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.clone().map_or(Ok(()), |reason| Err(self.failed(reason)))
+    }
+
+    pub(crate) fn failed(&self, reason: impl Into<String>) -> GpuError {
+        GpuError::Failed { adapter: self.facts.name.clone(), reason: reason.into() }
+    }
+
+    /// A buffer with these bytes; at least as large as a binding must be.
+    pub(crate) fn buffer(
+        &self,
+        what: &'static str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let size = (bytes.len() as u64).next_multiple_of(16).max(96);
+        self.check_size(what, size)?;
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(what),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        self.check()?;
+        Ok(buffer)
+    }
+}
+
+fn note(failure: &Mutex<Option<String>>, reason: String) {
+    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
+}

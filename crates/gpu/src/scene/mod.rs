@@ -1,0 +1,91 @@
+//! What occludes, as shaders read it: twins of shaders/shared/scene.wgsl.
+
+mod materials;
+mod trees;
+mod triangles;
+
+use crate::{Gpu, GpuError};
+use bytemuck::cast_slice;
+use conray_core::Geometry;
+pub(crate) use materials::GpuMaterial;
+use materials::Materials;
+pub(crate) use trees::GpuPlacement;
+use trees::Trees;
+pub(crate) use triangles::GpuTriangle;
+
+/// Bytes of a scene on a device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneBytes {
+    /// Nodes of the trees.
+    pub nodes: u64,
+    /// Triangles.
+    pub triangles: u64,
+    /// Placements of meshes that are shown several times.
+    pub placements: u64,
+    /// Opacities, with the UVs that read them.
+    pub opacities: u64,
+}
+
+/// A scene on a device.
+pub struct GpuScene {
+    pub(crate) bindings: wgpu::BindGroup,
+    pub(crate) layout: wgpu::BindGroupLayout,
+    bytes: SceneBytes,
+}
+
+impl GpuScene {
+    /// Builds the trees on the CPU and uploads them: meshes that are shown several times are held once.
+    ///
+    /// # Errors
+    /// What is too large for the adapter, with the numbers, or a device that fails.
+    pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<Self, GpuError> {
+        // Told before any work.
+        let count = geometry.stored_triangle_count();
+        gpu.check_size("triangles", count.saturating_mul(size_of::<GpuTriangle>() as u64))?;
+        let materials = Materials::new(geometry);
+        let trees = Trees::new(geometry, &materials);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let texels = materials.texel_words();
+        let buffers = [
+            gpu.buffer("nodes", cast_slice(&trees.nodes), storage)?,
+            gpu.buffer("triangles", cast_slice(&trees.triangles.list), storage)?,
+            gpu.buffer("materials", cast_slice(&materials.list), storage)?,
+            gpu.buffer("UVs", cast_slice(&trees.triangles.uvs), storage)?,
+            gpu.buffer("opacity textures", cast_slice(&texels), storage)?,
+            gpu.buffer("placements", cast_slice(&trees.placements), storage)?,
+        ];
+        let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = (0..buffers.len() as u32).map(entry).collect();
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("scene"),
+            entries: &entries,
+        });
+        let entries: Vec<_> = (0..)
+            .zip(&buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let bindings = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scene"),
+            layout: &layout,
+            entries: &entries,
+        });
+        gpu.check()?;
+        let [nodes, triangles, list, uvs, texels, placements] = buffers.map(|buffer| buffer.size());
+        let bytes = SceneBytes { nodes, triangles, placements, opacities: list + uvs + texels };
+        Ok(Self { bindings, layout, bytes })
+    }
+
+    /// Bytes that it takes on the device.
+    pub fn bytes(&self) -> SceneBytes {
+        self.bytes
+    }
+}
