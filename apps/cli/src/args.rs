@@ -11,8 +11,8 @@ pub(crate) use bake::{BakeArgs, ToArg};
 pub(crate) use camera::{CameraArgs, GivenCameraArgs};
 pub(crate) use study::StudyArgs;
 
-use clap::{Args, Parser, Subcommand};
-use conray::AoSettings;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use conray::{AoSettings, Device, SessionOptions};
 use parse::{parse_bytes, parse_size};
 use std::path::PathBuf;
 
@@ -97,8 +97,11 @@ pub(crate) struct SampleArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InfoArgs {
-    #[arg(help = SCENE_HELP)]
-    pub(crate) scene: String,
+    #[arg(help = SCENE_HELP, required_unless_present = "devices")]
+    pub(crate) scene: Option<String>,
+    /// Lists the graphics adapters instead
+    #[arg(long, conflicts_with = "scene")]
+    pub(crate) devices: bool,
     /// Octree leaves along the longest side of the scene: a power of two from 16 to 2048
     #[arg(long, value_name = "N", default_value_t = AoSettings::default().voxels)]
     pub(crate) voxels: u32,
@@ -134,12 +137,38 @@ pub(crate) struct RunArgs {
     /// Threads to work on; 0 is one per core. Results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
+    /// Where estimates are made: on a graphics processor, which has method rays, or on the CPU; auto takes a graphics processor where there is one and it has the
+    /// method
+    #[arg(long, value_enum, default_value = "auto")]
+    device: DeviceArg,
+    /// The graphics adapter whose name holds this text; conray info --devices lists them
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// Prints events as JSON lines on standard output
     #[arg(long)]
     pub(crate) json: bool,
     /// Prints nothing but warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum DeviceArg {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+impl RunArgs {
+    /// As the library takes them.
+    pub(crate) fn options(&self) -> SessionOptions {
+        let device = match self.device {
+            DeviceArg::Auto => Device::Auto,
+            DeviceArg::Cpu => Device::Cpu,
+            DeviceArg::Gpu => Device::Gpu,
+        };
+        SessionOptions { threads: self.threads, device, adapter: self.adapter.clone() }
+    }
 }
 
 #[cfg(test)]

@@ -84,6 +84,7 @@ impl From<Error> for Failure {
             Error::Scene(e) => e.into(),
             Error::Target(e) => e.into(),
             Error::Settings(e) => Self::Request(e.to_string()),
+            Error::Device(e) => Self::Request(format!("--device: {e}")),
             Error::State { problem: StateError::Other(_), .. } => Self::Request(format!("--state {error}")),
             Error::State { .. } | Error::StateFile { .. } => Self::Input(error.to_string()),
             Error::Geometry(e) => Self::Input(e.to_string()),

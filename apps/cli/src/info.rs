@@ -1,5 +1,7 @@
 //! `conray info`: what is in a scene and what is wrong with it.
 
+mod devices;
+
 use crate::{
     args::InfoArgs,
     failure::Failure,
@@ -11,6 +13,9 @@ use serde_json::{Value, json};
 use std::time::Instant;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
+    if args.devices {
+        return devices::print(args.json);
+    }
     let settings = AoSettings {
         method: Method::Cones,
         voxels: args.voxels,
@@ -21,10 +26,10 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     };
     settings.validate().map_err(|e| Failure::Request(e.to_string()))?;
     let start = Instant::now();
-    let mut scene = inputs::load_scene(&args.scene)?;
+    let mut scene = inputs::load_scene(args.scene.as_deref().unwrap_or_default())?;
     let load_seconds = start.elapsed().as_secs_f64();
     scene.inspect();
-    let options = SessionOptions { threads: args.threads };
+    let options = SessionOptions { threads: args.threads, ..SessionOptions::default() };
     let geometry = std::mem::take(&mut scene.geometry);
     let session = Session::build_observed(geometry, &settings, &options, &|_| {})?;
     let facts = facts(&scene, &session, load_seconds);

@@ -2,7 +2,7 @@
 
 use crate::{args::RenderArgs, explain, failure::Failure, inputs, interrupt, report};
 use conray::{
-    AoSettings, Control, Event, Method, Outcome, PROGRESS_UNITS, Session, SessionOptions, Stage, View,
+    AoSettings, Control, Event, Method, Outcome, PROGRESS_UNITS, Session, Stage, View,
     scene::Scene,
     target::{self, CameraTarget, PngDepth, Target},
 };
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let view = inputs::choose_view(&scene, &args.camera)?;
     let (width, height) = args.size;
     target::Camera::new(&view, width, height)?;
-    let options = SessionOptions { threads: args.run.threads };
+    let options = args.run.options();
     // The geometry moves into the session; names and views stay for the summary.
     let Scene { name, geometry, .. } = scene;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;

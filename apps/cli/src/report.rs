@@ -148,6 +148,9 @@ pub(crate) fn work_lines(settings: &AoSettings, build: &BuildReport, work: &Work
             took += &format!(", {} {what}", millions(count));
         }
     }
+    if build.device != "CPU" {
+        took += &format!(", on {}", build.device);
+    }
     let mut lines = vec![builds, took];
     if let Some(peak) = peak_memory() {
         lines.push(format!("peak memory {}", bytes(peak)));
@@ -178,6 +181,7 @@ pub(crate) fn work_json(settings: &AoSettings, build: &BuildReport, work: &Work)
         "plan": work.explanation,
         "bvh": { "seconds": build.bvh_seconds, "bytes": build.bvh_bytes },
         "octree": { "seconds": build.octree_seconds, "bytes": build.octree_bytes, "voxels": build.voxels },
+        "device": build.device,
         "seconds": work.seconds,
         "points": work.points,
         "rays": work.rays,

@@ -9,7 +9,7 @@ use crate::{
     report::{self, Reporter},
 };
 use conray::{
-    Event, Session, SessionOptions,
+    Event, Session,
     scene::Scene,
     target::{self, PointsTarget, Target},
 };
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     let points = PointsTarget::read(&args.points)?;
     let scene = inputs::load_scene(&args.scene)?;
     reporter.scene_warnings(&scene);
-    let options = SessionOptions { threads: args.run.threads };
+    let options = args.run.options();
     let Scene { name, geometry, .. } = scene;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;

@@ -24,6 +24,9 @@ pub enum Error {
     /// The octree could not be built, within the memory allowed if a limit was set.
     #[error(transparent)]
     Voxel(#[from] conray_voxel::VoxelError),
+    /// There is no such device, or it lacks something that the plan or the scene needs: the caller's fault.
+    #[error("{0}")]
+    Device(String),
     /// The backend lacks something that the plan needs.
     #[error(transparent)]
     Backend(#[from] conray_estimate::BackendError),

@@ -27,6 +27,7 @@
 //!
 //! The same settings and seed give the same bits, whatever the number of threads. There is no global state.
 
+mod device;
 mod error;
 mod events;
 mod passes;
@@ -51,6 +52,9 @@ pub use conray_scene as scene;
 pub use conray_target as target;
 pub use conray_voxel::VoxelError;
 
+#[cfg(feature = "gpu")]
+pub use conray_gpu as gpu;
+pub use device::Device;
 pub use error::Error;
 pub use events::{Event, Observer, Stage};
 pub use session::{BuildReport, Session, SessionOptions};

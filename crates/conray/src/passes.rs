@@ -2,7 +2,7 @@
 
 use crate::{Error, Outcome, Session, Work};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{AoPlan, Backend, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
+use conray_estimate::{AoPlan, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
 use std::{
     ops::Range,
     sync::atomic::{AtomicU64, Ordering},

@@ -1,18 +1,25 @@
 //! A session: what was built for one scene, ready to answer.
 
-use crate::{Error, Event, Observer, Stage};
+use crate::{
+    Device, Error, Event, Observer, Stage,
+    device::{Chosen, Parts},
+};
 use conray_bvh::Bvh;
 use conray_core::{Bounds, Estimate, Geometry, SurfacePoint, Vec2, Vec3, View};
-use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, Control, CpuBackend, SettingsError};
+use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, Control, SettingsError};
 use conray_target::{Camera, CameraTarget};
 use conray_voxel::{Octree, OctreeOptions};
 use std::{ops::Range, sync::Arc, time::Instant};
 
-/// How a session works; nothing here changes a result.
+/// How a session works; nothing here changes a result by more than rounding.
 #[derive(Clone, Debug, Default)]
 pub struct SessionOptions {
     /// Threads to work on; 0 is one per core.
     pub threads: usize,
+    /// Where estimates are made. Results of a graphics processor differ from those of the CPU by rounding.
+    pub device: Device,
+    /// Part of the name of the adapter that is meant; without one the first.
+    pub adapter: Option<String>,
 }
 
 /// Times and sizes of what was built.
@@ -28,6 +35,8 @@ pub struct BuildReport {
     pub octree_bytes: u64,
     /// Leaves along the longest side of the scene; 0 without an octree, less than asked for where memory was short.
     pub voxels: u32,
+    /// Where estimates are made, for people: the CPU, with the reason where a graphics processor could have been meant, or an adapter.
+    pub device: String,
 }
 
 /// A scene made ready for AO queries.
@@ -37,9 +46,11 @@ pub struct Session {
     pub(crate) plan: AoPlan,
     pub(crate) bvh: Arc<Bvh>,
     pub(crate) octree: Option<Arc<Octree>>,
-    pub(crate) backend: CpuBackend,
+    pub(crate) backend: Arc<dyn Backend>,
     pub(crate) pool: Arc<rayon::ThreadPool>,
     report: BuildReport,
+    /// As it was asked for.
+    device: (Device, Option<String>),
 }
 
 impl Session {
@@ -96,8 +107,11 @@ impl Session {
             None
         };
         let bvh = Arc::new(bvh);
-        let backend = CpuBackend::new(Arc::clone(&bvh), octree.clone());
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report })
+        let device = (options.device, options.adapter.clone());
+        let parts = Parts { plan: &plan, geometry: &geometry, bvh: &bvh, octree: &octree };
+        let Chosen { backend, place } = pool.install(|| parts.choose(device.0, device.1.as_deref()))?;
+        report.device = place;
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report, device })
     }
 
     /// A session of some instances alone, with the same plan and threads; its octree has as many leaves along its longest side as that of the
@@ -127,9 +141,12 @@ impl Session {
                 Some(Arc::new(octree))
             }
         };
-        let backend = CpuBackend::new(Arc::clone(&bvh), octree.clone());
+        let device = self.device.clone();
+        let parts = Parts { plan: &self.plan, geometry: &geometry, bvh: &bvh, octree: &octree };
+        let Chosen { backend, place } = self.pool.install(|| parts.choose(device.0, device.1.as_deref()))?;
+        report.device = place;
         let (bounds, plan, pool) = (geometry.bounds(), self.plan.clone(), Arc::clone(&self.pool));
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report })
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report, device })
     }
 
     /// Bytes of the scene and of what was built for it.

@@ -168,7 +168,7 @@ fn threads_and_levels_of_simd_change_no_bit() {
     let scene = scene::builtin("cornell").unwrap();
     let view = scene.default_view();
     let run = |threads: usize, level: Option<Level>| {
-        let options = SessionOptions { threads };
+        let options = SessionOptions { threads, ..SessionOptions::default() };
         let session =
             Session::build_observed(scene.geometry.clone(), &settings(), &options, &|_| {}).unwrap();
         let camera = session.camera(&view, 70, 45).unwrap();

@@ -12,7 +12,7 @@ fn settings(method: Method) -> AoSettings {
 
 fn cornell(method: Method, threads: usize) -> Session {
     let scene = scene::builtin("cornell").unwrap();
-    let options = SessionOptions { threads };
+    let options = SessionOptions { threads, ..SessionOptions::default() };
     Session::build_observed(scene.geometry, &settings(method), &options, &|_| {}).unwrap()
 }
 

@@ -12,7 +12,8 @@ fn shuffled(mut points: Vec<SurfacePoint>) -> Vec<SurfacePoint> {
 }
 
 fn session(name: &str, threads: usize) -> Session {
-    let (scene, options) = (scene::builtin(name).unwrap(), SessionOptions { threads });
+    let (scene, options) =
+        (scene::builtin(name).unwrap(), SessionOptions { threads, ..SessionOptions::default() });
     Session::build_observed(scene.geometry, &AoSettings::default(), &options, &|_| {}).unwrap()
 }
 

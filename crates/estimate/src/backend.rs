@@ -14,6 +14,9 @@ pub enum BackendError {
     /// The method marches cones and there is no octree.
     #[error("method {0} needs an octree, and none was built")]
     NoOctree(crate::Method),
+    /// A device does not do what is asked, or failed: what was estimated before stays.
+    #[error("{0}")]
+    Device(String),
     /// The slices differ in length.
     #[error("{points} points but room for {estimates} estimates")]
     LengthMismatch {

@@ -7,7 +7,7 @@ use crate::{
 };
 use bytemuck::{bytes_of, cast_slice};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{AoPlan, Control};
+use conray_estimate::{AoPlan, Backend, BackendError, Control};
 use std::{ops::Range, sync::mpsc};
 
 /// Points that are asked about together: with as many rays as a workgroup has threads short enough that no driver takes the device for stuck.
@@ -69,17 +69,15 @@ impl GpuBackend {
         &self.gpu
     }
 
-    /// Estimates every point, into the place of the same index, by rays of a part of each point's sequence.
-    ///
-    /// Points that are not valid ([`SurfacePoint::is_valid`]) get visibility 0 and an infinite error; those that are not reached before the work is stopped
-    /// stay [`Estimate::PENDING`].
+    /// Refuses a plan that is not built for devices.
     ///
     /// # Errors
-    /// What is not built for devices, or a device that fails: what was estimated before stays.
-    ///
-    /// # Panics
-    /// Where the slices differ in length.
-    pub fn estimate(
+    /// What is missing.
+    pub fn check(plan: &AoPlan) -> Result<(), GpuError> {
+        AoUniform::new(plan, 0..1, 0).map(|_| ())
+    }
+
+    fn estimated(
         &self,
         plan: &AoPlan,
         samples: Range<u32>,
@@ -87,8 +85,7 @@ impl GpuBackend {
         estimates: &mut [Estimate],
         control: Control<'_>,
     ) -> Result<(), GpuError> {
-        assert_eq!(points.len(), estimates.len(), "a place for each point");
-        AoUniform::new(plan, samples.clone(), 0)?;
+        Self::check(plan)?;
         for (points, estimates) in points.chunks(POINTS_AT_ONCE).zip(estimates.chunks_mut(POINTS_AT_ONCE)) {
             if control.is_cancelled() {
                 return Ok(());
@@ -184,4 +181,21 @@ impl GpuBackend {
 
 fn bound(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+}
+
+impl Backend for GpuBackend {
+    fn estimate(
+        &self,
+        plan: &AoPlan,
+        samples: Range<u32>,
+        points: &[SurfacePoint],
+        estimates: &mut [Estimate],
+        control: Control<'_>,
+    ) -> Result<(), BackendError> {
+        if points.len() != estimates.len() {
+            return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
+        }
+        self.estimated(plan, samples, points, estimates, control)
+            .map_err(|e| BackendError::Device(e.to_string()))
+    }
 }

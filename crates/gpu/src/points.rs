@@ -30,7 +30,7 @@ pub(crate) struct AoUniform {
 impl AoUniform {
     /// For some samples, no more than [`GROUP`], of so many points.
     pub(crate) fn new(plan: &AoPlan, samples: Range<u32>, points: u32) -> Result<Self, GpuError> {
-        if !matches!(plan.method, Method::Rays | Method::Hybrid) {
+        if plan.method != Method::Rays {
             return Err(GpuError::Method(plan.method));
         }
         if plan.sampling != Sampling::Sobol {

@@ -67,7 +67,7 @@ pub fn run(
         let name = scene.name.clone();
         meter.say(format!("{name}: building"));
         let built = AoSettings { method: Method::Paper, ..options.settings.clone() };
-        let threads = SessionOptions { threads: options.threads };
+        let threads = SessionOptions { threads: options.threads, ..SessionOptions::default() };
         let warn = |event| {
             if let conray::Event::Warning { message } = event {
                 observer.warn(&message);

@@ -18,7 +18,7 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Backs, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
+    AoSettings, Backs, Distance, Event, Geometry, Method, Session, Work,
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
@@ -115,7 +115,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     } else {
         sheets_of(args, &geometry, &chosen.receivers, !origins.is_empty(), output.as_ref())?
     };
-    let options = SessionOptions { threads: args.run.threads };
+    let options = args.run.options();
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     let facing = session.install(|| args.facing(session.geometry(), &chosen.receivers)).ok_or_else(|| {
         let what = "--normal mapped: no material of what is baked has a normal map that can be read";

@@ -30,7 +30,7 @@ fn target(mesh: TriangleMesh, fitting: &VertexSettings, threads: usize) -> (Sess
     let mesh = geometry.add_mesh(mesh).unwrap();
     geometry.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     let settings = AoSettings { distance: Distance::Infinite, ..AoSettings::default() };
-    let options = SessionOptions { threads };
+    let options = SessionOptions { threads, ..SessionOptions::default() };
     let session = Session::build_observed(geometry, &settings, &options, &|_| {}).unwrap();
     let target =
         VertexTarget::new(&session, Slots::of(&session, &[0], &[0]), fitting, &crate::Facing::default())

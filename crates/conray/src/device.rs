@@ -1,0 +1,86 @@
+//! Where estimates are made: on the CPU or on a graphics processor.
+
+use crate::Error;
+use conray_bvh::Bvh;
+use conray_core::Geometry;
+use conray_estimate::{AoPlan, Backend, CpuBackend};
+use conray_voxel::Octree;
+use std::sync::Arc;
+
+/// Where estimates are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Device {
+    /// On the CPU.
+    #[default]
+    Cpu,
+    /// On a graphics processor; where there is none, or it lacks what the plan needs, that is an error.
+    Gpu,
+    /// On a graphics processor where there is one that is no program on the CPU, and it has what the plan needs; else on the CPU.
+    Auto,
+}
+
+/// A backend, and where it works, for people.
+pub(crate) struct Chosen {
+    pub(crate) backend: Arc<dyn Backend>,
+    pub(crate) place: String,
+}
+
+/// What backends are made of.
+pub(crate) struct Parts<'a> {
+    pub(crate) plan: &'a AoPlan,
+    pub(crate) geometry: &'a Geometry,
+    pub(crate) bvh: &'a Arc<Bvh>,
+    pub(crate) octree: &'a Option<Arc<Octree>>,
+}
+
+impl Parts<'_> {
+    /// The backend for a device, of the adapter whose name holds that text where one is named.
+    pub(crate) fn choose(&self, device: Device, adapter: Option<&str>) -> Result<Chosen, Error> {
+        match device {
+            Device::Cpu => Ok(self.cpu("CPU".into())),
+            Device::Gpu => self.gpu(adapter),
+            Device::Auto => self.auto(adapter),
+        }
+    }
+
+    fn cpu(&self, place: String) -> Chosen {
+        Chosen { backend: Arc::new(CpuBackend::new(Arc::clone(self.bvh), self.octree.clone())), place }
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Parts<'_> {
+    fn gpu(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
+        use conray_gpu::{Gpu, GpuBackend, GpuScene};
+        let device = |e: conray_gpu::GpuError| Error::Device(e.to_string());
+        GpuBackend::check(self.plan).map_err(device)?;
+        let gpu = Gpu::open(adapter).map_err(device)?;
+        let place = format!("{} ({})", gpu.facts().name, gpu.facts().backend);
+        let scene = GpuScene::new(&gpu, self.geometry).map_err(device)?;
+        let backend = GpuBackend::new(gpu, scene).map_err(device)?;
+        Ok(Chosen { backend: Arc::new(backend), place })
+    }
+
+    fn auto(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
+        // What no device has needs no word.
+        if conray_gpu::GpuBackend::check(self.plan).is_err() {
+            return Ok(self.cpu("CPU".into()));
+        }
+        // One that is named is meant, whatever it is.
+        if adapter.is_none() && conray_gpu::adapters().iter().all(|facts| facts.is_software) {
+            return Ok(self.cpu("CPU: there is no graphics adapter".into()));
+        }
+        self.gpu(adapter).or_else(|e| Ok(self.cpu(format!("CPU: {e}"))))
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+impl Parts<'_> {
+    fn gpu(&self, _: Option<&str>) -> Result<Chosen, Error> {
+        Err(Error::Device("conray was built without feature gpu".into()))
+    }
+
+    fn auto(&self, _: Option<&str>) -> Result<Chosen, Error> {
+        Ok(self.cpu("CPU".into()))
+    }
+}
