@@ -27,7 +27,9 @@ pub(crate) struct Chosen {
 
 /// What backends are made of.
 pub(crate) struct Parts<'a> {
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "the CPU takes any plan"))]
     pub(crate) plan: &'a AoPlan,
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "the CPU has it in its hierarchy"))]
     pub(crate) geometry: &'a Geometry,
     pub(crate) bvh: &'a Arc<Bvh>,
     pub(crate) octree: &'a Option<Arc<Octree>>,
