@@ -100,7 +100,8 @@ impl Grid {
         lattice: &[Option<bool>],
     ) -> Option<bool> {
         let point = &points[index];
-        let sides = |at: u32| if at.is_multiple_of(2 * step) { [at, u32::MAX] } else { [at - step, at + step] };
+        let sides =
+            |at: u32| if at.is_multiple_of(2 * step) { [at, u32::MAX] } else { [at - step, at + step] };
         let about = self.place(point).map(sides);
         let (mut said, mut count) = (None, 0);
         for (x, y) in about[0].iter().flat_map(|&x| about[1].iter().map(move |&y| (x, y))) {
