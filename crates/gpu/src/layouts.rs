@@ -1,18 +1,19 @@
 //! Where the members of structs lie that shaders read too, for the tests to compare.
 
 use crate::{
+    octree::{GpuLevel, MarchUniform},
     points::{AoUniform, GpuPoint, GpuTally},
     scene::{GpuMaterial, GpuPlacement, GpuTriangle},
 };
 use obvhs::cwbvh::node::CwBvhNode;
 use std::mem::offset_of;
 
-/// A struct by its name in the shaders: members with their offsets, and its size.
-pub type StructLayout = (&'static str, Vec<(&'static str, usize)>, usize);
+/// A struct by its file and its name there: members with their offsets, and its size.
+pub type StructLayout = ([&'static str; 2], Vec<(&'static str, usize)>, usize);
 
 macro_rules! layout {
-    ($name:literal, $type:ty, $($member:ident),+) => {
-        ($name, vec![$((stringify!($member), offset_of!($type, $member))),+], size_of::<$type>())
+    ($file:literal, $name:literal, $type:ty, $($member:ident),+) => {
+        ([$file, $name], vec![$((stringify!($member), offset_of!($type, $member))),+], size_of::<$type>())
     };
 }
 
@@ -29,11 +30,34 @@ pub fn layouts() -> Vec<StructLayout> {
         ("planes", offset_of!(CwBvhNode, child_min_x)),
     ];
     vec![
-        ("Node", node, size_of::<CwBvhNode>()),
-        layout!("Triangle", GpuTriangle, a, material, b, uvs, c, flags),
-        layout!("Material", GpuMaterial, columns, translation, factor, cutoff, first, width, height, wrap),
-        layout!("Placement", GpuPlacement, world_from_mesh, mesh_from_world, root, flags, pad_a, pad_b),
+        (["rays.wgsl", "Node"], node, size_of::<CwBvhNode>()),
+        layout!("rays.wgsl", "Triangle", GpuTriangle, a, material, b, uvs, c, flags),
         layout!(
+            "rays.wgsl",
+            "Material",
+            GpuMaterial,
+            columns,
+            translation,
+            factor,
+            cutoff,
+            first,
+            width,
+            height,
+            wrap
+        ),
+        layout!(
+            "rays.wgsl",
+            "Placement",
+            GpuPlacement,
+            world_from_mesh,
+            mesh_from_world,
+            root,
+            flags,
+            pad_a,
+            pad_b
+        ),
+        layout!(
+            "rays.wgsl",
             "Ao",
             AoUniform,
             distance,
@@ -49,7 +73,28 @@ pub fn layouts() -> Vec<StructLayout> {
             pad_b,
             pad_c
         ),
-        layout!("Point", GpuPoint, origin, id, geometric_normal, pad_a, shading_normal, pad_b),
-        layout!("Tally", GpuTally, open, rays, sum, squares, pad_a, pad_b),
+        layout!("rays.wgsl", "Point", GpuPoint, origin, id, geometric_normal, pad_a, shading_normal, pad_b),
+        layout!("cones.wgsl", "Level", GpuLevel, side, across, table, words),
+        layout!(
+            "cones.wgsl",
+            "March",
+            MarchUniform,
+            origin,
+            voxel_size,
+            resolution,
+            spread,
+            step,
+            lift,
+            distance,
+            top,
+            falloff,
+            cones,
+            points,
+            pad_a,
+            pad_b,
+            pad_c
+        ),
+        layout!("cones.wgsl", "Point", GpuPoint, origin, id, geometric_normal, pad_a, shading_normal, pad_b),
+        layout!("rays.wgsl", "Tally", GpuTally, open, rays, sum, squares, pad_a, pad_b),
     ]
 }

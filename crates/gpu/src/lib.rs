@@ -2,18 +2,23 @@
 //!
 //! ```text
 //! adapters() / Gpu::open -> Gpu            device.rs: device, queue, limits, what went wrong
-//! Geometry -> GpuScene                     scene/: world triangles under compressed wide nodes, opacities
-//! points, plan -> GpuBackend -> estimates  backend.rs, points.rs; shaders/: entry points flat, shared/ what they include
+//! Geometry -> GpuScene                     scene/: triangles under compressed wide nodes, opacities
+//! Octree -> octree.rs                      bricks of opacities and where they are
+//! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, cones.rs; kernel.rs: one entry point and a run of it
 //! ```
 //!
-//! Method `rays` is there; others are told to be missing ([`GpuError::Method`]). Samples are those of the CPU, bit for bit up to the direction, so results
-//! differ by rounding alone.
+//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Methods `rays` and `cones` are there; others are told to be missing
+//! ([`GpuError::Method`]). Samples and steps are those of the CPU, so results differ by rounding alone.
 
 mod backend;
+mod cones;
 mod device;
 mod error;
+mod kernel;
 mod layouts;
+mod octree;
 mod points;
+mod rays;
 mod scene;
 mod shader;
 

@@ -6,9 +6,6 @@ use conray_core::{Estimate, Falloff, SurfacePoint, Vec3};
 use conray_estimate::{AoPlan, Method, RayTally, Sampling};
 use std::ops::Range;
 
-/// Threads of a workgroup, as the shaders say.
-pub(crate) const GROUP: u32 = 64;
-
 /// What all points share.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -28,7 +25,7 @@ pub(crate) struct AoUniform {
 }
 
 impl AoUniform {
-    /// For some samples, no more than [`GROUP`], of so many points.
+    /// For some samples, no more than a workgroup has threads, of so many points.
     pub(crate) fn new(plan: &AoPlan, samples: Range<u32>, points: u32) -> Result<Self, GpuError> {
         if plan.method != Method::Rays {
             return Err(GpuError::Method(plan.method));
@@ -69,10 +66,20 @@ pub(crate) struct GpuPoint {
     pub(crate) pad_b: u32,
 }
 
-impl From<&SurfacePoint> for GpuPoint {
-    fn from(point: &SurfacePoint) -> Self {
+impl GpuPoint {
+    /// Where its rays start.
+    pub(crate) fn of_rays(point: &SurfacePoint) -> Self {
+        Self::at(point, point.ray_origin())
+    }
+
+    /// Where its cones stand.
+    pub(crate) fn of_cones(point: &SurfacePoint) -> Self {
+        Self::at(point, point.position)
+    }
+
+    fn at(point: &SurfacePoint, origin: Vec3) -> Self {
         Self {
-            origin: point.ray_origin(),
+            origin,
             id: point.id,
             geometric_normal: point.geometric_normal,
             pad_a: 0,

@@ -1,10 +1,12 @@
 //! The shaders, with what they include put in its place.
 
 /// Entry points, by the names of their files.
-pub const SHADERS: [&str; 1] = ["rays.wgsl"];
+pub const SHADERS: [&str; 2] = ["rays.wgsl", "cones.wgsl"];
 
-const FILES: [(&str, &str); 7] = [
+const FILES: [(&str, &str); 9] = [
     ("rays.wgsl", include_str!("../shaders/rays.wgsl")),
+    ("cones.wgsl", include_str!("../shaders/cones.wgsl")),
+    ("shared/octree.wgsl", include_str!("../shaders/shared/octree.wgsl")),
     ("shared/sobol.wgsl", include_str!("../shaders/shared/sobol.wgsl")),
     ("shared/hemisphere.wgsl", include_str!("../shaders/shared/hemisphere.wgsl")),
     ("shared/scene.wgsl", include_str!("../shaders/shared/scene.wgsl")),

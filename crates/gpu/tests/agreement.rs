@@ -7,6 +7,7 @@ use conray_core::{
 };
 use conray_estimate::{AoPlan, AoSettings, Backend, Control, CpuBackend, Distance, Method};
 use conray_gpu::{Gpu, GpuBackend, GpuError, GpuScene, adapters};
+use conray_voxel::{Octree, OctreeOptions};
 use std::sync::{Arc, atomic::AtomicBool};
 
 /// Root mean square difference that rounding may make, as the goal for all methods is.
@@ -15,13 +16,16 @@ const MOST: f64 = 0.003;
 fn both(geometry: Geometry, settings: &AoSettings, points: &[SurfacePoint]) -> [Vec<Estimate>; 2] {
     let plan = AoPlan::new(settings, geometry.bounds()).unwrap();
     let gpu = Gpu::open(None).unwrap();
-    let scene = GpuScene::new(&gpu, &geometry).unwrap();
+    let octree = settings.method.needs_octree().then(|| {
+        let options = OctreeOptions { resolution: settings.voxels, ..OctreeOptions::default() };
+        Arc::new(Octree::build(&geometry, &options).unwrap())
+    });
     let mut on_gpu = vec![Estimate::PENDING; points.len()];
-    let device = GpuBackend::new(gpu, scene).unwrap();
+    let device = GpuBackend::new(gpu, Some(&geometry), octree.as_deref()).unwrap();
     device.estimate(&plan, 0..plan.samples(), points, &mut on_gpu, Control::none()).unwrap();
     let mut on_cpu = on_gpu.clone();
     let bvh = Arc::new(Bvh::build(Arc::new(geometry)).unwrap());
-    let cpu = CpuBackend::new(bvh, None);
+    let cpu = CpuBackend::new(bvh, octree);
     cpu.estimate(&plan, 0..plan.samples(), points, &mut on_cpu, Control::none()).unwrap();
     [on_gpu, on_cpu]
 }
@@ -53,7 +57,7 @@ fn settings(rays: u32) -> AoSettings {
 fn built_in_scenes_agree_gpu() {
     for name in ["cornell", "atrium", "grove"] {
         let scene = conray_scene::builtin(name).unwrap();
-        let points = middles(&scene.geometry, 4000);
+        let points = middles(&scene.geometry, 1500);
         let found = both(scene.geometry, &settings(64), &points);
         let off = rmse(&found);
         eprintln!("{name}: {} points, off by {off:.5}", points.len());
@@ -65,6 +69,30 @@ fn built_in_scenes_agree_gpu() {
         let [low, high] =
             [f32::min, f32::max].map(|pick| found[0].iter().map(|e| e.visibility).reduce(pick).unwrap());
         assert!(high - low > 0.5, "{name}: from {low} to {high}");
+    }
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, if only a software one"]
+fn cones_of_built_in_scenes_agree_gpu() {
+    for (name, falloff, cones) in
+        [("cornell", Falloff::None, 16), ("atrium", Falloff::Smooth, 9), ("grove", Falloff::Linear, 16)]
+    {
+        let scene = conray_scene::builtin(name).unwrap();
+        let mut points = middles(&scene.geometry, 1000);
+        // One that stands outside of the cube looks in.
+        points[0].position += 3.0 * scene.geometry.bounds().diagonal() * Vec3::Y;
+        points[0].geometric_normal = Vec3::NEG_Y;
+        points[0].shading_normal = Vec3::NEG_Y;
+        let settings = AoSettings { method: Method::Cones, falloff, cones, voxels: 256, ..settings(1) };
+        let found = both(scene.geometry, &settings, &points);
+        let off = rmse(&found);
+        let errors = found[0].iter().zip(&found[1]).map(|(a, b)| f64::from(a.error - b.error).powi(2));
+        let errors_off = (errors.sum::<f64>() / points.len() as f64).sqrt();
+        eprintln!("{name}: {} points, off by {off:.5}, errors by {errors_off:.5}", points.len());
+        assert!(off < MOST && errors_off < MOST, "{name}: {off} {errors_off}");
+        let mean = found[0].iter().map(|e| e.visibility).sum::<f32>() / points.len() as f32;
+        assert!((0.05..0.95).contains(&mean), "{name}: {mean}");
     }
 }
 
@@ -171,9 +199,9 @@ fn parts_of_a_sequence_and_odd_points_gpu() {
     }
     points.truncate(3);
     let gpu = Gpu::open(None).unwrap();
-    let scene = GpuScene::new(&gpu, &geometry).unwrap();
-    assert!(scene.bytes().triangles > 0 && scene.bytes().nodes > 0);
-    let device = GpuBackend::new(gpu, scene).unwrap();
+    let bytes = GpuScene::new(&gpu, &geometry).unwrap().bytes();
+    assert!(bytes.triangles > 0 && bytes.nodes > 0);
+    let device = GpuBackend::new(gpu, Some(&geometry), None).unwrap();
     let plan = AoPlan::new(&settings(64), geometry.bounds()).unwrap();
     let part = |samples| {
         let mut found = vec![Estimate::PENDING; points.len()];
@@ -190,9 +218,9 @@ fn parts_of_a_sequence_and_odd_points_gpu() {
     let control = Control { cancelled: &stopped, progress: &|_| {} };
     device.estimate(&plan, 0..64, &points, &mut found, control).unwrap();
     assert!(found.iter().all(Estimate::is_pending));
-    let cones = AoPlan::new(&AoSettings { method: Method::Cones, ..settings(1) }, geometry.bounds()).unwrap();
-    let refused = device.estimate(&cones, 0..1, &points, &mut found, Control::none()).unwrap_err();
-    assert_eq!(refused.to_string(), "method cones runs on the CPU alone");
+    let paper = AoPlan::new(&AoSettings { method: Method::Paper, ..settings(1) }, geometry.bounds()).unwrap();
+    let refused = device.estimate(&paper, 0..1, &points, &mut found, Control::none()).unwrap_err();
+    assert_eq!(refused.to_string(), "method paper runs on the CPU alone");
 }
 
 #[test]

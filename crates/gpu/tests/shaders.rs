@@ -34,8 +34,8 @@ fn what_is_no_shader_is_refused() {
 }
 
 /// Names, offsets and the size of a struct of a shader.
-fn layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    let module = parsed("rays.wgsl");
+fn layout([file, name]: [&str; 2]) -> (Vec<(String, u32)>, u32) {
+    let module = parsed(file);
     let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
     let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
     let members = members.iter().map(|member| (member.name.clone().unwrap(), member.offset));
@@ -50,6 +50,6 @@ fn structs_have_their_twins_layout() {
             found,
             members.iter().map(|(name, at)| (name.to_string(), *at as u32)).collect::<Vec<_>>()
         );
-        assert_eq!(span as usize, size, "{name}");
+        assert_eq!(span as usize, size, "{name:?}");
     }
 }

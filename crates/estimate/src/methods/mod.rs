@@ -11,6 +11,7 @@ mod squares;
 #[cfg(test)]
 mod tests;
 
+pub use cones::ConeAnswers;
 pub(crate) use cones::{Cones, Marches};
 pub(crate) use paper::{Paper, cone_share, ray_count};
 pub(crate) use point_rays::PointRays;

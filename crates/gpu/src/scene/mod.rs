@@ -4,7 +4,7 @@ mod materials;
 mod trees;
 mod triangles;
 
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, kernel::scene_bindings};
 use bytemuck::cast_slice;
 use conray_core::Geometry;
 pub(crate) use materials::GpuMaterial;
@@ -54,30 +54,7 @@ impl GpuScene {
             gpu.buffer("opacity textures", cast_slice(&texels), storage)?,
             gpu.buffer("placements", cast_slice(&trees.placements), storage)?,
         ];
-        let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: true },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let entries: Vec<_> = (0..buffers.len() as u32).map(entry).collect();
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("scene"),
-            entries: &entries,
-        });
-        let entries: Vec<_> = (0..)
-            .zip(&buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let bindings = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene"),
-            layout: &layout,
-            entries: &entries,
-        });
+        let (layout, bindings) = scene_bindings(gpu, "scene", &buffers.each_ref());
         gpu.check()?;
         let [nodes, triangles, list, uvs, texels, placements] = buffers.map(|buffer| buffer.size());
         let bytes = SceneBytes { nodes, triangles, placements, opacities: list + uvs + texels };

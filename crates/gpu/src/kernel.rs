@@ -1,0 +1,152 @@
+//! One entry point of the shaders: its pipeline, and a run of it.
+
+use crate::{Gpu, GpuError, source};
+use bytemuck::AnyBitPattern;
+use std::sync::mpsc;
+
+/// Threads of a workgroup, as the shaders say.
+pub(crate) const GROUP: u32 = 64;
+/// Workgroups in a row; every device takes 65 535.
+const ROW: u32 = 1 << 15;
+
+/// An entry point.
+pub(crate) struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    /// Of the second group of bindings: what changes from run to run.
+    asked: wgpu::BindGroupLayout,
+}
+
+/// How a buffer is bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Bound {
+    Uniform,
+    Read,
+    Write,
+}
+
+impl Kernel {
+    /// Compiles the entry point of that name, which is that of its file too. `scene` is its first group of bindings.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        name: &'static str,
+        scene: &wgpu::BindGroupLayout,
+        asked: &[Bound],
+    ) -> Result<Self, GpuError> {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(source(&format!("{name}.wgsl")).into()),
+        });
+        let asked = layout(gpu, name, asked);
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(name),
+            bind_group_layouts: &[Some(scene), Some(&asked)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { pipeline, asked })
+    }
+
+    /// Runs so many workgroups and waits for them.
+    pub(crate) fn run(
+        &self,
+        gpu: &Gpu,
+        scene: &wgpu::BindGroup,
+        asked: &[&wgpu::Buffer],
+        groups: u32,
+    ) -> Result<(), GpuError> {
+        let asked = bind(gpu, &self.asked, asked);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, scene, &[]);
+            pass.set_bind_group(1, &asked, &[]);
+            pass.dispatch_workgroups(groups.clamp(1, ROW), groups.div_ceil(ROW).max(1), 1);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()
+    }
+}
+
+/// Buffers that a scene is made of, for shaders to read.
+pub(crate) fn scene_bindings(
+    gpu: &Gpu,
+    label: &'static str,
+    buffers: &[&wgpu::Buffer],
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let layout = layout(gpu, label, &vec![Bound::Read; buffers.len()]);
+    let bindings = bind(gpu, &layout, buffers);
+    (layout, bindings)
+}
+
+fn layout(gpu: &Gpu, label: &'static str, bound: &[Bound]) -> wgpu::BindGroupLayout {
+    let entry = |(binding, bound): (u32, &Bound)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match bound {
+                Bound::Uniform => wgpu::BufferBindingType::Uniform,
+                _ => wgpu::BufferBindingType::Storage { read_only: *bound == Bound::Read },
+            },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(bound).map(entry).collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
+    gpu.device.create_bind_group_layout(&descriptor)
+}
+
+fn bind(gpu: &Gpu, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+    let mut entries = Vec::new();
+    for (binding, buffer) in (0..).zip(buffers) {
+        entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+    }
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+impl Gpu {
+    fn wait(&self) -> Result<(), GpuError> {
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map_err(|e| self.failed(e.to_string()))?;
+        self.check()
+    }
+
+    /// The first values of a buffer.
+    pub(crate) fn read<T: AnyBitPattern>(
+        &self,
+        buffer: &wgpu::Buffer,
+        count: usize,
+    ) -> Result<Vec<T>, GpuError> {
+        let size = buffer.size();
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("answers"),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+        self.queue.submit([encoder.finish()]);
+        let (tell, told) = mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| _ = tell.send(result));
+        self.wait()?;
+        match told.recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(self.failed(e.to_string())),
+            Err(_) => return Err(self.failed("it did not answer")),
+        }
+        let bytes = staging.get_mapped_range(..).map_err(|e| self.failed(e.to_string()))?;
+        let values = bytes[..count * size_of::<T>()].chunks_exact(size_of::<T>());
+        Ok(values.map(bytemuck::pod_read_unaligned).collect())
+    }
+}
