@@ -18,6 +18,8 @@ use clap::{CommandFactory, FromArgMatches};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    #[cfg(all(feature = "gpu", target_os = "linux"))]
+    without_session();
     if std::env::args_os().len() == 1 {
         // Without a command: help is what was meant, and not an error. A closed pipe is no reason to complain.
         let _ = Cli::command().print_long_help();
@@ -47,5 +49,16 @@ fn main() -> ExitCode {
             eprintln!("conray: {failure}");
             failure.code()
         }
+    }
+}
+
+/// Mesa's layer that chooses adapters asks the session's compositor, and where there is no session a library below it complains on the error stream. There is
+/// nothing to choose by then: the layer is left out.
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+#[allow(unsafe_code, reason = "the environment is read by a C library")]
+fn without_session() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: nothing else runs yet, so nobody reads the environment meanwhile.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
 }
