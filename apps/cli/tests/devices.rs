@@ -18,7 +18,6 @@ fn what_no_device_has_is_refused_and_auto_takes_the_cpu() {
         assert!(!dir.path().join("a.png").exists());
     };
     refused(&["--device", "gpu"], "--device: method hybrid runs on the CPU alone");
-    refused(&["--device", "gpu", "--method", "paper"], "method paper runs on the CPU alone");
     refused(&["--device", "gpu", "--method", "rays", "--sampling", "random"], "sampling other than sobol");
     let nameless = ["--device", "gpu", "--method", "rays", "--adapter", "no such thing"];
     refused(&nameless, "no graphics adapter has a name with no such thing; there ");

@@ -53,12 +53,13 @@ impl Parts<'_> {
 #[cfg(feature = "gpu")]
 impl Parts<'_> {
     fn gpu(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
+        use conray_estimate::Method;
         use conray_gpu::{Gpu, GpuBackend};
         let device = |e: conray_gpu::GpuError| Error::Device(e.to_string());
         GpuBackend::check(self.plan).map_err(device)?;
         let gpu = Gpu::open(adapter).map_err(device)?;
         let place = format!("{} ({})", gpu.facts().name, gpu.facts().backend);
-        let traces = self.plan.method.has_budget().then_some(self.geometry);
+        let traces = (self.plan.method != Method::Cones).then_some(self.geometry);
         let backend = GpuBackend::new(gpu, traces, self.octree.as_deref()).map_err(device)?;
         Ok(Chosen { backend: Arc::new(backend), place })
     }

@@ -82,6 +82,14 @@ impl Cone {
         }
     }
 
+    /// The square of the unit square, by its lowest corner and its edge, that is taken to the cone by the cosine-weighted map; `None` for caps.
+    pub fn cell(&self) -> Option<(Vec2, f32)> {
+        match self.region {
+            Region::Cell(low, edge) => Some((low, edge)),
+            Region::Cap => None,
+        }
+    }
+
     /// [`Cone::sample`] for sixteen points of the square; in cells but for the roundings of
     /// [`cosine_hemisphere_lanes`](crate::cosine_hemisphere_lanes), in caps one after the other.
     #[inline(always)]

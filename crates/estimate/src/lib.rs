@@ -30,6 +30,6 @@ pub use epsilon::Epsilon;
 pub use explanation::{Choice, Explanation, Round};
 pub use hybrid::{Hybrid, HybridConstants, StateError};
 pub use meter::{Meter, PROGRESS_UNITS};
-pub use methods::{ConeAnswers, RayTally};
+pub use methods::{BlendAnswers, ConeAnswers, RayTally};
 pub use plan::AoPlan;
 pub use settings::{Alpha, AoSettings, Method, Sampling, SettingsError, limits};

@@ -2,6 +2,7 @@
 
 //#include shared/hemisphere.wgsl
 //#include shared/octree.wgsl
+//#include shared/point.wgsl
 
 struct March {
     // Lowest corner of the octree's cube.
@@ -25,16 +26,6 @@ struct March {
     pad_a: u32,
     pad_b: u32,
     pad_c: u32,
-}
-
-struct Point {
-    // Position on the surface.
-    origin: vec3<f32>,
-    id: u32,
-    geometric_normal: vec3<f32>,
-    pad_a: u32,
-    shading_normal: vec3<f32>,
-    pad_b: u32,
 }
 
 @group(1) @binding(0) var<uniform> march: March;

@@ -6,6 +6,7 @@
 //#include shared/scene.wgsl
 //#include shared/opacity.wgsl
 //#include shared/trace.wgsl
+//#include shared/seen.wgsl
 //#include shared/points.wgsl
 
 const GROUP: u32 = 64u;
@@ -16,17 +17,7 @@ var<workgroup> seen: array<vec4<f32>, GROUP>;
 fn ray_of(point: Point, sample: u32) -> vec4<f32> {
     let seed = hash_u32(point.id ^ hash_u32(ao.seed));
     let local = cosine_cone(owen_sobol_2d(sample, seed), ao.reach);
-    let direction = to_world(point.shading_normal, local);
-    var visible = 0.0;
-    // Below the geometric surface the point's own surface is in the way.
-    if dot(direction, point.geometric_normal) > 0.0 {
-        visible = visibility(Ray(point.origin, direction, 0.0, ao.distance), ao.falloff);
-    }
-    if ao.bias > 0.0 {
-        let height = dot(direction, point.shading_normal);
-        visible = 1.0 - (1.0 - visible) * clamp(height / ao.bias, 0.0, 1.0);
-    }
-    return vec4(visible, visible * direction);
+    return seen_along(point, to_world(point.shading_normal, local), Reach(ao.distance, ao.bias, ao.falloff));
 }
 
 @compute @workgroup_size(GROUP)
@@ -50,11 +41,7 @@ fn rays(
     }
     var tally = tallies[index];
     for (var other = 0u; other < ao.samples; other++) {
-        let one = seen[lane + other];
-        tally.sum += one.x;
-        tally.squares += one.x * one.x;
-        tally.open += one.yzw;
+        tally = with_ray(tally, seen[lane + other]);
     }
-    tally.rays += ao.samples;
     tallies[index] = tally;
 }

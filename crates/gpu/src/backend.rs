@@ -1,8 +1,8 @@
 //! Plans carried out on a device.
 
-use crate::{Gpu, GpuError, GpuScene, cones::Cones, points::AoUniform, rays::Rays};
+use crate::{Gpu, GpuError, GpuScene, cone_rays::ConeRays, cones::Cones, points::AoUniform, rays::Rays};
 use conray_core::{Estimate, Geometry, SurfacePoint};
-use conray_estimate::{AoPlan, Backend, BackendError, ConeAnswers, Control, Method};
+use conray_estimate::{AoPlan, Backend, BackendError, BlendAnswers, ConeAnswers, Control, Method, RayTally};
 use conray_voxel::Octree;
 use std::ops::Range;
 
@@ -16,17 +16,22 @@ pub struct GpuBackend {
     gpu: Gpu,
     rays: Option<Rays>,
     cones: Option<Cones>,
+    blend: Option<ConeRays>,
 }
 
 impl GpuBackend {
-    /// Uploads what methods need, and compiles their shaders: the scene for `rays`, an octree for `cones`.
+    /// Uploads what methods need, and compiles their shaders: the scene for `rays`, an octree for `cones`, both for `paper`.
     ///
     /// # Errors
     /// What is too large for the adapter, with the numbers, a shader that it refuses, or a device that fails.
     pub fn new(gpu: Gpu, geometry: Option<&Geometry>, octree: Option<&Octree>) -> Result<Self, GpuError> {
         let rays = geometry.map(|geometry| Rays::new(&gpu, GpuScene::new(&gpu, geometry)?)).transpose()?;
         let cones = octree.map(|octree| Cones::new(&gpu, octree)).transpose()?;
-        Ok(Self { gpu, rays, cones })
+        let blend = match (&rays, &cones) {
+            (Some(rays), Some(_)) => Some(ConeRays::new(&gpu, rays)?),
+            _ => None,
+        };
+        Ok(Self { gpu, rays, cones, blend })
     }
 
     /// The device.
@@ -41,7 +46,7 @@ impl GpuBackend {
     pub fn check(plan: &AoPlan) -> Result<(), GpuError> {
         match plan.method {
             Method::Rays => AoUniform::new(plan, 0..1, 0).map(|_| ()),
-            Method::Cones => Ok(()),
+            Method::Cones | Method::Paper => Ok(()),
             method => Err(GpuError::Method(method)),
         }
     }
@@ -56,7 +61,7 @@ impl GpuBackend {
         match (plan.method, &self.rays, &self.cones) {
             (Method::Rays, Some(rays), _) => {
                 let found = rays.tallies(&self.gpu, plan, samples, points, control)?;
-                Ok(found.map(|found| found.iter().map(|tally| tally.estimate()).collect()))
+                Ok(found.map(|found| found.iter().map(|tally| tally.tally().estimate()).collect()))
             }
             (Method::Cones, _, Some(cones)) => {
                 let mut found = cones.march(&self.gpu, plan, points)?;
@@ -64,8 +69,37 @@ impl GpuBackend {
                 let each = points.iter().zip(found.chunks_mut(plan.cones.cones().len()));
                 Ok(Some(each.map(|(point, results)| answers.estimate(point, results)).collect()))
             }
+            (Method::Paper, Some(rays), Some(cones)) => {
+                self.blended(rays, cones, plan, samples, points, control)
+            }
             (method, ..) => Err(GpuError::Method(method)),
         }
+    }
+
+    /// Cones where they are trusted, rays inside of them elsewhere.
+    fn blended(
+        &self,
+        rays: &Rays,
+        cones: &Cones,
+        plan: &AoPlan,
+        frames: Range<u32>,
+        points: &[SurfacePoint],
+        control: Control<'_>,
+    ) -> Result<Option<Vec<Estimate>>, GpuError> {
+        let Some(blend) = &self.blend else { return Err(GpuError::Method(plan.method)) };
+        let count = plan.cones.cones().len();
+        let answers = BlendAnswers::new(plan);
+        let mut marched = cones.march(&self.gpu, plan, points)?;
+        let counts: Vec<u32> = points
+            .iter()
+            .zip(marched.chunks_mut(count))
+            .flat_map(|(point, results)| answers.ray_counts(point, results))
+            .collect();
+        let found = blend.tallies(&self.gpu, rays, plan, frames, points, &counts, control)?;
+        let Some(found) = found else { return Ok(None) };
+        let tallies: Vec<RayTally> = found.iter().map(|tally| tally.tally()).collect();
+        let each = points.iter().zip(marched.chunks(count)).zip(tallies.chunks(count));
+        Ok(Some(each.map(|((point, results), tallies)| answers.estimate(point, results, tallies)).collect()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Where the members of structs lie that shaders read too, for the tests to compare.
 
 use crate::{
+    cone_rays::{ConeRaysUniform, GpuCone},
     octree::{GpuLevel, MarchUniform},
     points::{AoUniform, GpuPoint, GpuTally},
     scene::{GpuMaterial, GpuPlacement, GpuTriangle},
@@ -74,6 +75,24 @@ pub fn layouts() -> Vec<StructLayout> {
             pad_c
         ),
         layout!("rays.wgsl", "Point", GpuPoint, origin, id, geometric_normal, pad_a, shading_normal, pad_b),
+        layout!(
+            "cone_rays.wgsl",
+            "ConeRays",
+            ConeRaysUniform,
+            distance,
+            bias,
+            falloff,
+            seed,
+            frames_start,
+            frames_end,
+            first,
+            stride,
+            cones,
+            points,
+            pad_a,
+            pad_b
+        ),
+        layout!("cone_rays.wgsl", "Cone", GpuCone, axis, cos_half_angle, low, edge, pad),
         layout!("cones.wgsl", "Level", GpuLevel, side, across, table, words),
         layout!(
             "cones.wgsl",

@@ -7,10 +7,11 @@
 //! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, cones.rs; kernel.rs: one entry point and a run of it
 //! ```
 //!
-//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Methods `rays` and `cones` are there; others are told to be missing
-//! ([`GpuError::Method`]). Samples and steps are those of the CPU, so results differ by rounding alone.
+//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Methods `rays`, `cones` and `paper` are there; `hybrid` is told to be
+//! missing ([`GpuError::Method`]). Samples and steps are those of the CPU, so results differ by rounding alone.
 
 mod backend;
+mod cone_rays;
 mod cones;
 mod device;
 mod error;

@@ -1,8 +1,8 @@
 //! The octree as shaders read it, and the march through it: twins of shaders/shared/octree.wgsl and shaders/cones.wgsl.
 
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, points::falloff_number};
 use bytemuck::{Pod, Zeroable, cast_slice};
-use conray_core::{Falloff, Vec3};
+use conray_core::Vec3;
 use conray_estimate::AoPlan;
 use conray_voxel::{MarchOptions, Octree};
 
@@ -83,11 +83,7 @@ impl GpuOctree {
             lift: options.lift,
             distance: (plan.distance / self.voxel_size).min(f32::MAX),
             top: self.levels as f32 - 1.0,
-            falloff: match plan.falloff {
-                Falloff::None => 0,
-                Falloff::Linear => 1,
-                Falloff::Smooth => 2,
-            },
+            falloff: falloff_number(plan.falloff),
             cones: plan.cones.cones().len() as u32,
             points,
             pad_a: 0,

@@ -2,7 +2,7 @@
 
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
-use conray_core::{Estimate, Falloff, SurfacePoint, Vec3};
+use conray_core::{Falloff, SurfacePoint, Vec3};
 use conray_estimate::{AoPlan, Method, RayTally, Sampling};
 use std::ops::Range;
 
@@ -37,11 +37,7 @@ impl AoUniform {
             distance: plan.distance.min(f32::MAX),
             reach: plan.reach,
             bias: plan.bias,
-            falloff: match plan.falloff {
-                Falloff::None => 0,
-                Falloff::Linear => 1,
-                Falloff::Smooth => 2,
-            },
+            falloff: falloff_number(plan.falloff),
             seed: plan.seed,
             first_sample: samples.start,
             samples: samples.len() as u32,
@@ -51,6 +47,15 @@ impl AoUniform {
             pad_b: 0,
             pad_c: 0,
         })
+    }
+}
+
+/// As shaders tell it.
+pub(crate) fn falloff_number(falloff: Falloff) -> u32 {
+    match falloff {
+        Falloff::None => 0,
+        Falloff::Linear => 1,
+        Falloff::Smooth => 2,
     }
 }
 
@@ -102,8 +107,8 @@ pub(crate) struct GpuTally {
 }
 
 impl GpuTally {
-    /// As the CPU tells it.
-    pub(crate) fn estimate(&self) -> Estimate {
-        RayTally { rays: self.rays, sum: self.sum, squares: self.squares, open: self.open }.estimate()
+    /// As the CPU keeps it.
+    pub(crate) fn tally(&self) -> RayTally {
+        RayTally { rays: self.rays, sum: self.sum, squares: self.squares, open: self.open }
     }
 }

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Traces rays.
 pub(crate) struct Rays {
-    scene: GpuScene,
+    pub(crate) scene: GpuScene,
     kernel: Kernel,
 }
 

@@ -1,11 +1,14 @@
 //! The shaders, with what they include put in its place.
 
 /// Entry points, by the names of their files.
-pub const SHADERS: [&str; 2] = ["rays.wgsl", "cones.wgsl"];
+pub const SHADERS: [&str; 3] = ["rays.wgsl", "cones.wgsl", "cone_rays.wgsl"];
 
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 12] = [
     ("rays.wgsl", include_str!("../shaders/rays.wgsl")),
     ("cones.wgsl", include_str!("../shaders/cones.wgsl")),
+    ("cone_rays.wgsl", include_str!("../shaders/cone_rays.wgsl")),
+    ("shared/point.wgsl", include_str!("../shaders/shared/point.wgsl")),
+    ("shared/seen.wgsl", include_str!("../shaders/shared/seen.wgsl")),
     ("shared/octree.wgsl", include_str!("../shaders/shared/octree.wgsl")),
     ("shared/sobol.wgsl", include_str!("../shaders/shared/sobol.wgsl")),
     ("shared/hemisphere.wgsl", include_str!("../shaders/shared/hemisphere.wgsl")),

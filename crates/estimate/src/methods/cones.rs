@@ -37,7 +37,7 @@ impl<'a> ConeAnswers<'a> {
     }
 
     /// Takes from cones what is below the geometric surface.
-    fn scale(&self, point: &SurfacePoint, results: &mut [ConeResult]) {
+    pub(super) fn scale(&self, point: &SurfacePoint, results: &mut [ConeResult]) {
         if point.shading_normal != point.geometric_normal {
             let frame = cone_point(point).frame;
             self.above.scale(frame.to_local(point.geometric_normal), results);
@@ -57,7 +57,7 @@ impl<'a> ConeAnswers<'a> {
     }
 
     /// The cones of a point, each with its axis in world space and its result.
-    fn of<R: IntoIterator<Item = ConeResult>>(
+    pub(super) fn of<R: IntoIterator<Item = ConeResult>>(
         &self,
         point: &SurfacePoint,
         results: R,

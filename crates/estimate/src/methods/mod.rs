@@ -13,6 +13,7 @@ mod tests;
 
 pub use cones::ConeAnswers;
 pub(crate) use cones::{Cones, Marches};
+pub use paper::BlendAnswers;
 pub(crate) use paper::{Paper, cone_share, ray_count};
 pub(crate) use point_rays::PointRays;
 pub use point_rays::Tally as RayTally;

@@ -5,7 +5,7 @@
 //! none the cone is taken alone; rays follow an Owen-scrambled Sobol sequence per cone.
 
 use super::{
-    cones::Marches,
+    cones::{ConeAnswers, Marches},
     point_rays::{PointRays, RayQueue, Tally},
 };
 use crate::{AoPlan, epsilon::expected_error};
@@ -34,26 +34,7 @@ impl Paper<'_> {
         let seed = hash_u32(point.id ^ hash_u32(plan.seed));
         let marched: Vec<_> = self.marches.of(point, results.iter().copied()).collect();
         let tallies = self.trace(&point_rays, seed, &marched);
-        let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
-        let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
-        let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
-        for ((cone, axis, result), tally) in marched.iter().zip(&tallies) {
-            let alpha = if tally.rays > 0 { cone_share(result, plan) } else { 1.0 };
-            visibility += cone.weight * (alpha * result.visibility + (1.0 - alpha) * tally.mean());
-            trusted_error += cone.weight * alpha * expected_error(result);
-            if tally.rays > 0 {
-                ray_variance += (cone.weight * (1.0 - alpha)).powi(2) * tally.variance_of_mean();
-            }
-            let open_by_rays = tally.open / tally.rays.max(1) as f32;
-            bent += cone.weight * (alpha * result.visibility * *axis + (1.0 - alpha) * open_by_rays);
-            rays += tally.rays;
-            all.visibility += cone.weight * result.visibility;
-            all.error += cone.weight * result.error;
-            all.alpha += cone.weight * alpha;
-        }
-        // Cone errors are taken as fully correlated, those of rays as independent.
-        let error = trusted_error + ray_variance.sqrt();
-        Estimate { visibility, error, rays, bent, cone: Some(all) }
+        blended(plan, &marched, &tallies)
     }
 
     /// Traces the rays of all cones, those of neighbouring cones in one bundle; a tally for each cone.
@@ -73,6 +54,56 @@ impl Paper<'_> {
         }
         queue.trace(&mut tallies);
         tallies
+    }
+}
+
+/// The estimate at a point whose cones, each with its axis in world space, were marched and traced.
+fn blended(plan: &AoPlan, marched: &[(&Cone, Vec3, ConeResult)], tallies: &[Tally]) -> Estimate {
+    let mut all = ConeEstimate { visibility: 0.0, error: 0.0, alpha: 0.0 };
+    let (mut visibility, mut bent, mut rays) = (0.0, Vec3::ZERO, 0);
+    let (mut trusted_error, mut ray_variance) = (0.0, 0.0);
+    for ((cone, axis, result), tally) in marched.iter().zip(tallies) {
+        let alpha = if tally.rays > 0 { cone_share(result, plan) } else { 1.0 };
+        visibility += cone.weight * (alpha * result.visibility + (1.0 - alpha) * tally.mean());
+        trusted_error += cone.weight * alpha * expected_error(result);
+        if tally.rays > 0 {
+            ray_variance += (cone.weight * (1.0 - alpha)).powi(2) * tally.variance_of_mean();
+        }
+        let open_by_rays = tally.open / tally.rays.max(1) as f32;
+        bent += cone.weight * (alpha * result.visibility * *axis + (1.0 - alpha) * open_by_rays);
+        rays += tally.rays;
+        all.visibility += cone.weight * result.visibility;
+        all.error += cone.weight * result.error;
+        all.alpha += cone.weight * alpha;
+    }
+    // Cone errors are taken as fully correlated, those of rays as independent.
+    let error = trusted_error + ray_variance.sqrt();
+    Estimate { visibility, error, rays, bent, cone: Some(all) }
+}
+
+/// What the cones and the rays of points come to, whoever marched and traced them.
+pub struct BlendAnswers<'a> {
+    plan: &'a AoPlan,
+    cones: ConeAnswers<'a>,
+}
+
+impl<'a> BlendAnswers<'a> {
+    /// For the cones of a plan.
+    pub fn new(plan: &'a AoPlan) -> Self {
+        Self { plan, cones: ConeAnswers::new(plan) }
+    }
+
+    /// Takes from cones, marched from a point about the shading normal, what is below the geometric surface there, and tells how many rays each is to get in
+    /// a frame: those of its sequence from as many times the number of the frame on.
+    pub fn ray_counts(&self, point: &SurfacePoint, results: &mut [ConeResult]) -> Vec<u32> {
+        self.cones.scale(point, results);
+        results.iter().map(|result| ray_count(cone_share(result, self.plan), self.plan.max_rays)).collect()
+    }
+
+    /// The estimate from those cones and what their rays met.
+    pub fn estimate(&self, point: &SurfacePoint, results: &[ConeResult], tallies: &[Tally]) -> Estimate {
+        let marched: Vec<_> = self.cones.of(point, results.iter().copied()).collect();
+        blended(self.plan, &marched, tallies)
     }
 }
 

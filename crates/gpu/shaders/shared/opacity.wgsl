@@ -2,7 +2,7 @@
 
 fn texel(material: Material, x: u32, y: u32) -> f32 {
     let at = material.first + y * material.width + x;
-    return f32((texels[at / 4u] >> (8u * (at % 4u))) & 0xffu);
+    return f32((opacities[opacities[1] + at / 4u] >> (8u * (at % 4u))) & 0xffu);
 }
 
 // The two texels either side of a coordinate and, in z as bits, the weight of the second.
@@ -31,11 +31,11 @@ fn opacity_at(triangle: Triangle, weights: vec3<f32>) -> f32 {
     if triangle.material == NONE {
         return 1.0;
     }
-    let material = materials[triangle.material];
+    let material = material_at(triangle.material);
     var value = material.factor;
     if material.width > 0u {
-        let uv = weights.x * uvs[triangle.uvs] + weights.y * uvs[triangle.uvs + 1u]
-            + weights.z * uvs[triangle.uvs + 2u];
+        let uv = weights.x * uv_at(triangle.uvs) + weights.y * uv_at(triangle.uvs + 1u)
+            + weights.z * uv_at(triangle.uvs + 2u);
         let place = material.columns.xy * uv.x + material.columns.zw * uv.y + material.translation;
         let x = taps(place.x, material.width, material.wrap & 15u);
         let y = taps(place.y, material.height, material.wrap >> 4u);

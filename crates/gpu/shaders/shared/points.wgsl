@@ -19,25 +19,6 @@ struct Ao {
     pad_c: u32,
 }
 
-struct Point {
-    // Where rays start.
-    origin: vec3<f32>,
-    id: u32,
-    geometric_normal: vec3<f32>,
-    pad_a: u32,
-    shading_normal: vec3<f32>,
-    pad_b: u32,
-}
-
-struct Tally {
-    open: vec3<f32>,
-    rays: u32,
-    sum: f32,
-    squares: f32,
-    pad_a: u32,
-    pad_b: u32,
-}
-
 @group(1) @binding(0) var<uniform> ao: Ao;
 @group(1) @binding(1) var<storage, read> points: array<Point>;
 @group(1) @binding(2) var<storage, read_write> tallies: array<Tally>;

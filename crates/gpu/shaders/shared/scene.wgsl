@@ -62,8 +62,23 @@ const MOVED: u32 = 4u;
 // Those of the placements first, whose leaves name placements, then those of each tree of triangles.
 @group(0) @binding(0) var<storage, read> nodes: array<Node>;
 @group(0) @binding(1) var<storage, read> triangles: array<Triangle>;
-@group(0) @binding(2) var<storage, read> materials: array<Material>;
-@group(0) @binding(3) var<storage, read> uvs: array<vec2<f32>>;
-// Four texels a word.
-@group(0) @binding(4) var<storage, read> texels: array<u32>;
-@group(0) @binding(5) var<storage, read> placements: array<Placement>;
+// Opacities, as bits: where UVs and where texels begin, then the materials, then the UVs, two words each, then the texels, four a word.
+@group(0) @binding(2) var<storage, read> opacities: array<u32>;
+@group(0) @binding(3) var<storage, read> placements: array<Placement>;
+
+fn material_at(index: u32) -> Material {
+    let at = 2u + 12u * index;
+    return Material(
+        vec4(number_at(at), number_at(at + 1u), number_at(at + 2u), number_at(at + 3u)),
+        vec2(number_at(at + 4u), number_at(at + 5u)), number_at(at + 6u), number_at(at + 7u),
+        opacities[at + 8u], opacities[at + 9u], opacities[at + 10u], opacities[at + 11u]);
+}
+
+fn number_at(word: u32) -> f32 {
+    return bitcast<f32>(opacities[word]);
+}
+
+fn uv_at(index: u32) -> vec2<f32> {
+    let at = opacities[0] + 2u * index;
+    return vec2(number_at(at), number_at(at + 1u));
+}

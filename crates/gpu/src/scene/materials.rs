@@ -1,7 +1,7 @@
 //! Opacities of materials and their textures.
 
-use bytemuck::{Pod, Zeroable};
-use conray_core::{AlphaTexture, Geometry, Opacity, TextureOpacity, Wrap};
+use bytemuck::{Pod, Zeroable, cast_slice};
+use conray_core::{AlphaTexture, Geometry, Opacity, TextureOpacity, Vec2, Wrap};
 use std::{collections::HashMap, sync::Arc};
 
 /// Stands for a surface that is opaque.
@@ -78,14 +78,21 @@ impl Materials {
         }
     }
 
-    /// Four texels a word.
-    pub(super) fn texel_words(&self) -> Vec<u32> {
-        let word = |bytes: &[u8]| {
+    /// All as words, in the order of shaders/shared/scene.wgsl, with the UVs of triangles.
+    pub(super) fn words(&self, uvs: &[Vec2]) -> Vec<u32> {
+        let list: &[u32] = cast_slice(&self.list);
+        let uv_words: &[u32] = cast_slice(uvs);
+        let first_uv = 2 + list.len() as u32;
+        let texel = |bytes: &[u8]| {
             let mut whole = [0; 4];
             whole[..bytes.len()].copy_from_slice(bytes);
             u32::from_le_bytes(whole)
         };
-        self.texels.chunks(4).map(word).collect()
+        let mut words = vec![first_uv, first_uv + uv_words.len() as u32];
+        words.extend_from_slice(list);
+        words.extend_from_slice(uv_words);
+        words.extend(self.texels.chunks(4).map(texel));
+        words
     }
 }
 

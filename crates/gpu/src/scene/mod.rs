@@ -45,19 +45,16 @@ impl GpuScene {
         let materials = Materials::new(geometry);
         let trees = Trees::new(geometry, &materials);
         let storage = wgpu::BufferUsages::STORAGE;
-        let texels = materials.texel_words();
         let buffers = [
             gpu.buffer("nodes", cast_slice(&trees.nodes), storage)?,
             gpu.buffer("triangles", cast_slice(&trees.triangles.list), storage)?,
-            gpu.buffer("materials", cast_slice(&materials.list), storage)?,
-            gpu.buffer("UVs", cast_slice(&trees.triangles.uvs), storage)?,
-            gpu.buffer("opacity textures", cast_slice(&texels), storage)?,
+            gpu.buffer("opacities", cast_slice(&materials.words(&trees.triangles.uvs)), storage)?,
             gpu.buffer("placements", cast_slice(&trees.placements), storage)?,
         ];
         let (layout, bindings) = scene_bindings(gpu, "scene", &buffers.each_ref());
         gpu.check()?;
-        let [nodes, triangles, list, uvs, texels, placements] = buffers.map(|buffer| buffer.size());
-        let bytes = SceneBytes { nodes, triangles, placements, opacities: list + uvs + texels };
+        let [nodes, triangles, opacities, placements] = buffers.map(|buffer| buffer.size());
+        let bytes = SceneBytes { nodes, triangles, placements, opacities };
         Ok(Self { bindings, layout, bytes })
     }
 
