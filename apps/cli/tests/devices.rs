@@ -22,6 +22,15 @@ fn what_no_device_has_is_refused_and_auto_takes_the_cpu() {
     let nameless = ["--device", "gpu", "--method", "rays", "--adapter", "no such thing"];
     refused(&nameless, "no graphics adapter has a name with no such thing; there ");
     refused(&["--device", "tpu"], "possible values: auto, cpu, gpu");
+    let bake = ["bake", "cornell.obj", "-o", "a.png", "--device", "gpu", "--method", "rays", "--self-only"];
+    std::fs::write(
+        dir.path().join("cornell.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n",
+    )
+    .unwrap();
+    let output = command(&dir, &bake).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", err(&output));
+    assert!(err(&output).contains("stand apart are estimated on the CPU"), "{}", err(&output));
     for device in ["auto", "cpu"] {
         let output = render(&["--device", device]);
         assert_eq!(output.status.code(), Some(0), "{}", err(&output));

@@ -49,8 +49,6 @@ pub struct Session {
     pub(crate) backend: Arc<dyn Backend>,
     pub(crate) pool: Arc<rayon::ThreadPool>,
     report: BuildReport,
-    /// As it was asked for.
-    device: (Device, Option<String>),
 }
 
 impl Session {
@@ -107,14 +105,14 @@ impl Session {
             None
         };
         let bvh = Arc::new(bvh);
-        let device = (options.device, options.adapter.clone());
         let parts = Parts { plan: &plan, geometry: &geometry, bvh: &bvh, octree: &octree };
-        let Chosen { backend, place } = pool.install(|| parts.choose(device.0, device.1.as_deref()))?;
+        let Chosen { backend, place } =
+            pool.install(|| parts.choose(options.device, options.adapter.as_deref()))?;
         report.device = place;
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report, device })
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report })
     }
 
-    /// A session of some instances alone, with the same plan and threads; its octree has as many leaves along its longest side as that of the
+    /// A session of some instances alone, on the CPU, with the same plan and threads; its octree has as many leaves along its longest side as that of the
     /// whole scene.
     ///
     /// # Errors
@@ -141,12 +139,11 @@ impl Session {
                 Some(Arc::new(octree))
             }
         };
-        let device = self.device.clone();
         let parts = Parts { plan: &self.plan, geometry: &geometry, bvh: &bvh, octree: &octree };
-        let Chosen { backend, place } = self.pool.install(|| parts.choose(device.0, device.1.as_deref()))?;
+        let Chosen { backend, place } = parts.choose(Device::Cpu, None)?;
         report.device = place;
         let (bounds, plan, pool) = (geometry.bounds(), self.plan.clone(), Arc::clone(&self.pool));
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report, device })
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report })
     }
 
     /// Bytes of the scene and of what was built for it.

@@ -6,10 +6,11 @@ use conray_estimate::{AoPlan, Backend, BackendError, BlendAnswers, ConeAnswers, 
 use conray_voxel::Octree;
 use std::ops::Range;
 
-/// Points that are asked about together: with as many rays as a workgroup has threads short enough that no driver takes the device for stuck.
-const POINTS_AT_ONCE: usize = 1 << 18;
-/// Cones that are marched together.
-const CONES_AT_ONCE: usize = 1 << 22;
+/// Points, or cones of points, whose rays are traced together: with as many rays each as a workgroup has threads short enough that no driver takes the device
+/// for stuck.
+const TRACED_AT_ONCE: usize = 1 << 18;
+/// Cones that are marched together where none gets rays.
+const MARCHED_AT_ONCE: usize = 1 << 20;
 
 /// Estimates points on a device.
 pub struct GpuBackend {
@@ -115,9 +116,11 @@ impl Backend for GpuBackend {
         if points.len() != estimates.len() {
             return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
         }
+        let cones = plan.cones.cones().len();
         let at_once = match plan.method {
-            Method::Rays => POINTS_AT_ONCE,
-            _ => (CONES_AT_ONCE / plan.cones.cones().len()).max(1),
+            Method::Cones => MARCHED_AT_ONCE / cones,
+            Method::Paper => TRACED_AT_ONCE / cones,
+            _ => TRACED_AT_ONCE,
         };
         let device = |e: GpuError| BackendError::Device(e.to_string());
         Self::check(plan).map_err(device)?;

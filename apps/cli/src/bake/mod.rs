@@ -18,7 +18,7 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Backs, Distance, Event, Geometry, Method, Session, Work,
+    AoSettings, Backs, Device, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
     scene::{self, Scene},
     target::{self, AtlasMap, MapSize},
 };
@@ -115,7 +115,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     } else {
         sheets_of(args, &geometry, &chosen.receivers, !origins.is_empty(), output.as_ref())?
     };
-    let options = args.run.options();
+    let options = device_options(args)?;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     let facing = session.install(|| args.facing(session.geometry(), &chosen.receivers)).ok_or_else(|| {
         let what = "--normal mapped: no material of what is baked has a normal map that can be read";
@@ -214,6 +214,19 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     });
     stop_if(interrupted, "what was done by then has been written")?;
     explain::check(args.ao.strict, missed)
+}
+
+/// How the session works: objects that stand apart are estimated on the CPU, since each would need a device.
+fn device_options(args: &BakeArgs) -> Result<SessionOptions, Failure> {
+    let options = args.run.options();
+    match options.device {
+        _ if !args.scope().self_only => Ok(options),
+        Device::Gpu => Err(Failure::Request(
+            "--device: objects that stand apart are estimated on the CPU; leave out --self-only and --shared"
+                .into(),
+        )),
+        Device::Auto | Device::Cpu => Ok(SessionOptions { device: Device::Cpu, ..options }),
+    }
 }
 
 /// Refuses options that were given and would do nothing.
