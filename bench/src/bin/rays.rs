@@ -62,7 +62,10 @@ enum Modes {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let args = Args::parse();
+    run(&Args::parse())
+}
+
+fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     if args.rays.iter().any(|r| *r == 0 || r % 16 != 0) {
         return Err("--rays: expected multiples of 16, as Embree's packets have no empty places".into());
     }
@@ -104,5 +107,16 @@ impl Args {
             variants,
             lineup: if self.modes == Modes::All { Lineup::All } else { Lineup::Best },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "needs Embree, which bench/fetch-rivals gets"]
+    fn every_kernel_agrees_ray_for_ray_with_embree() {
+        run(&Args::parse_from(["rays", "--quick"])).unwrap();
     }
 }
