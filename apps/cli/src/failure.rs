@@ -27,9 +27,7 @@ impl Failure {
             Self::Input(_) => 3,
         })
     }
-}
 
-impl Failure {
     /// Another message for a failure by the same fault.
     pub(crate) fn with(self, message: String) -> Self {
         match self {

@@ -1,6 +1,6 @@
 //! Normals that normal maps give to surfaces.
 
-use crate::frames::Frames;
+use crate::{extent::world_corners, frames::Frames};
 use conray_core::{Geometry, NormalMap, SurfacePoint, Vec3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,7 +69,7 @@ impl NormalMaps {
         let Some([tangent, bitangent, normal]) = basis else { return point.shading_normal };
         let mesh = geometry.mesh_of(instance as usize);
         let uvs = mesh.corner_uvs(triangle as usize, map.uv_set);
-        let [a, b, c] = mesh.corners(triangle as usize).map(|p| world_from_mesh.transform_point3(p));
+        let [a, b, c] = world_corners(geometry, instance, triangle as usize);
         let area = 0.5 * (b - a).cross(c - a).length();
         let texels = spread * (map.texels(uvs) / area).sqrt();
         let [x, y, z] = map.at((1.0 - u - v) * uvs[0] + u * uvs[1] + v * uvs[2], texels).to_array();

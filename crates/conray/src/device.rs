@@ -6,6 +6,11 @@ use conray_core::Geometry;
 use conray_estimate::{AoPlan, Backend, CpuBackend};
 use conray_voxel::Octree;
 use std::sync::Arc;
+#[cfg(feature = "gpu")]
+use {
+    conray_estimate::Method,
+    conray_gpu::{Gpu, GpuBackend, GpuError},
+};
 
 /// Where estimates are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,27 +58,31 @@ impl Parts<'_> {
 #[cfg(feature = "gpu")]
 impl Parts<'_> {
     fn gpu(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
-        use conray_estimate::Method;
-        use conray_gpu::{Gpu, GpuBackend};
-        let device = |e: conray_gpu::GpuError| Error::Device(e.to_string());
+        let device = |e: GpuError| Error::Device(e.to_string());
         GpuBackend::check(self.plan).map_err(device)?;
-        let gpu = Gpu::open(adapter).map_err(device)?;
-        let place = format!("{} ({})", gpu.facts().name, gpu.facts().backend);
-        let traces = (self.plan.method != Method::Cones).then_some(self.geometry);
-        let backend = GpuBackend::new(gpu, traces, self.octree.as_deref()).map_err(device)?;
-        Ok(Chosen { backend: Arc::new(backend), place })
+        Gpu::open(adapter).and_then(|gpu| self.on(gpu)).map_err(device)
     }
 
     fn auto(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
         // What no device has needs no word.
-        if conray_gpu::GpuBackend::check(self.plan).is_err() {
+        if GpuBackend::check(self.plan).is_err() {
             return Ok(self.cpu("CPU".into()));
         }
         // One that is named is meant, whatever it is.
-        if adapter.is_none() && conray_gpu::adapters().iter().all(|facts| facts.is_software) {
-            return Ok(self.cpu("CPU: there is no graphics adapter".into()));
-        }
-        self.gpu(adapter).or_else(|e| Ok(self.cpu(format!("CPU: {e}"))))
+        let gpu = if adapter.is_some() { Gpu::open(adapter) } else { Gpu::open_real() };
+        Ok(match gpu {
+            Err(GpuError::NoAdapter { wanted: None, .. }) => {
+                self.cpu("CPU: there is no graphics adapter".into())
+            }
+            gpu => gpu.and_then(|gpu| self.on(gpu)).unwrap_or_else(|e| self.cpu(format!("CPU: {e}"))),
+        })
+    }
+
+    fn on(&self, gpu: Gpu) -> Result<Chosen, GpuError> {
+        let place = format!("{} ({})", gpu.facts().name, gpu.facts().backend);
+        let traced = (self.plan.method != Method::Cones).then_some(self.geometry);
+        let backend = GpuBackend::new(gpu, traced, self.octree.as_deref())?;
+        Ok(Chosen { backend: Arc::new(backend), place })
     }
 }
 

@@ -35,6 +35,9 @@ impl Estimate {
     pub const PENDING: Self =
         Self { visibility: f32::NAN, error: f32::INFINITY, rays: 0, bent: Vec3::ZERO, cone: None };
 
+    /// The answer where there is no surface to ask about.
+    pub const INVALID: Self = Self { visibility: 0.0, ..Self::PENDING };
+
     /// True until a method has answered.
     pub fn is_pending(&self) -> bool {
         self.visibility.is_nan()

@@ -27,6 +27,17 @@ pub enum BackendError {
     },
 }
 
+impl BackendError {
+    /// Refuses slices that differ in length.
+    ///
+    /// # Errors
+    /// [`BackendError::LengthMismatch`].
+    pub fn check_lengths(points: &[SurfacePoint], estimates: &[Estimate]) -> Result<(), Self> {
+        let (points, estimates) = (points.len(), estimates.len());
+        if points == estimates { Ok(()) } else { Err(Self::LengthMismatch { points, estimates }) }
+    }
+}
+
 /// How a caller follows and stops long work.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {

@@ -5,7 +5,7 @@ use crate::{
     methods::{self, Marches},
 };
 use conray_bvh::{Bvh, Level};
-use conray_core::{Estimate, SurfacePoint, Vec3};
+use conray_core::{Estimate, SurfacePoint};
 use conray_voxel::{ConeResult, Octree};
 use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
@@ -43,9 +43,7 @@ impl Backend for CpuBackend {
         estimates: &mut [Estimate],
         control: Control<'_>,
     ) -> Result<(), BackendError> {
-        if points.len() != estimates.len() {
-            return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
-        }
+        BackendError::check_lengths(points, estimates)?;
         let marches = || {
             let octree = self.octree.as_deref().ok_or(BackendError::NoOctree(plan.method))?;
             Ok(methods::Marches::new(plan, octree, self.bvh.level()))
@@ -56,7 +54,7 @@ impl Backend for CpuBackend {
                 let rays = methods::Rays { plan, bvh: &self.bvh, samples };
                 each_chunk(points, estimates, control, |points, estimates| {
                     for (point, out) in points.iter().zip(estimates) {
-                        *out = if point.is_valid() { rays.estimate(point) } else { INVALID };
+                        *out = if point.is_valid() { rays.estimate(point) } else { Estimate::INVALID };
                     }
                 });
             }
@@ -107,11 +105,7 @@ fn each_marched(
         let mut results = results.chunks(marches.count());
         for (point, out) in points.iter().zip(estimates) {
             let results = if point.is_valid() { results.next() } else { None };
-            *out = results.map_or(INVALID, |results| estimate(point, results));
+            *out = results.map_or(Estimate::INVALID, |results| estimate(point, results));
         }
     });
 }
-
-/// The answer where there is no surface to ask about.
-pub(crate) const INVALID: Estimate =
-    Estimate { visibility: 0.0, error: f32::INFINITY, rays: 0, bent: Vec3::ZERO, cone: None };

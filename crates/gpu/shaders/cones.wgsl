@@ -35,6 +35,7 @@ struct March {
 // Visibility and error of each cone of each point.
 @group(1) @binding(3) var<storage, read_write> results: array<vec2<f32>>;
 
+// A cone takes fewer through the finest octree, in steps of leaves.
 const MOST_STEPS: u32 = 4096u;
 const CLOSED: f32 = 1e-3;
 const CLEAR_CHANGE: f32 = 0.25;

@@ -1,9 +1,17 @@
 //! Plans carried out on a device.
 
-use crate::{Gpu, GpuError, GpuScene, cone_rays::ConeRays, cones::Cones, points::AoUniform, rays::Rays};
+use crate::{
+    Gpu, GpuError,
+    cone_rays::{Asked, ConeRays},
+    cones::Cones,
+    points::{AoUniform, GpuTally},
+    rays::Rays,
+    scene::GpuScene,
+};
 use conray_core::{Estimate, Geometry, SurfacePoint};
 use conray_estimate::{AoPlan, Backend, BackendError, BlendAnswers, ConeAnswers, Control, Method, RayTally};
-use conray_voxel::Octree;
+use conray_voxel::{ConeResult, Octree};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Points, or cones of points, whose rays are traced together: with as many rays each as a workgroup has threads short enough that no driver takes the device
@@ -17,7 +25,7 @@ pub struct GpuBackend {
     gpu: Gpu,
     rays: Option<Rays>,
     cones: Option<Cones>,
-    blend: Option<ConeRays>,
+    cone_rays: Option<ConeRays>,
 }
 
 impl GpuBackend {
@@ -28,11 +36,11 @@ impl GpuBackend {
     pub fn new(gpu: Gpu, geometry: Option<&Geometry>, octree: Option<&Octree>) -> Result<Self, GpuError> {
         let rays = geometry.map(|geometry| Rays::new(&gpu, GpuScene::new(&gpu, geometry)?)).transpose()?;
         let cones = octree.map(|octree| Cones::new(&gpu, octree)).transpose()?;
-        let blend = match (&rays, &cones) {
+        let cone_rays = match (&rays, &cones) {
             (Some(rays), Some(_)) => Some(ConeRays::new(&gpu, rays)?),
             _ => None,
         };
-        Ok(Self { gpu, rays, cones, blend })
+        Ok(Self { gpu, rays, cones, cone_rays })
     }
 
     /// The device.
@@ -59,48 +67,53 @@ impl GpuBackend {
         points: &[SurfacePoint],
         control: Control<'_>,
     ) -> Result<Option<Vec<Estimate>>, GpuError> {
-        match (plan.method, &self.rays, &self.cones) {
-            (Method::Rays, Some(rays), _) => {
-                let found = rays.tallies(&self.gpu, plan, samples, points, control)?;
-                Ok(found.map(|found| found.iter().map(|tally| tally.tally().estimate()).collect()))
+        let absent = || GpuError::NotUploaded(plan.method);
+        let rays = || self.rays.as_ref().ok_or_else(absent);
+        let cones = || self.cones.as_ref().ok_or_else(absent);
+        match plan.method {
+            Method::Rays => {
+                let found = rays()?.tallies(&self.gpu, plan, samples, points, control)?;
+                Ok(found.map(|found| found.par_iter().map(|tally| tally.tally().estimate()).collect()))
             }
-            (Method::Cones, _, Some(cones)) => {
-                let mut found = cones.march(&self.gpu, plan, points)?;
+            Method::Cones => {
+                let mut found = cones()?.march(&self.gpu, plan, points)?;
                 let answers = ConeAnswers::new(plan);
-                let each = points.iter().zip(found.chunks_mut(plan.cones.cones().len()));
+                let each = points.par_iter().zip(found.par_chunks_mut(plan.cones.cones().len()));
                 Ok(Some(each.map(|(point, results)| answers.estimate(point, results)).collect()))
             }
-            (Method::Paper, Some(rays), Some(cones)) => {
-                self.blended(rays, cones, plan, samples, points, control)
+            Method::Paper => {
+                let marched = cones()?.march(&self.gpu, plan, points)?;
+                let cone_rays = self.cone_rays.as_ref().ok_or_else(absent)?;
+                self.blended((cone_rays, rays()?), marched, plan, samples, points, control)
             }
-            (method, ..) => Err(GpuError::Method(method)),
+            Method::Hybrid => Err(GpuError::Method(plan.method)),
         }
     }
 
-    /// Cones where they are trusted, rays inside of them elsewhere.
+    /// What cones that were marched come to, with rays inside of those that are not trusted.
     fn blended(
         &self,
-        rays: &Rays,
-        cones: &Cones,
+        (cone_rays, rays): (&ConeRays, &Rays),
+        mut marched: Vec<ConeResult>,
         plan: &AoPlan,
         frames: Range<u32>,
         points: &[SurfacePoint],
         control: Control<'_>,
     ) -> Result<Option<Vec<Estimate>>, GpuError> {
-        let Some(blend) = &self.blend else { return Err(GpuError::Method(plan.method)) };
         let count = plan.cones.cones().len();
         let answers = BlendAnswers::new(plan);
-        let mut marched = cones.march(&self.gpu, plan, points)?;
         let counts: Vec<u32> = points
-            .iter()
-            .zip(marched.chunks_mut(count))
-            .flat_map(|(point, results)| answers.ray_counts(point, results))
+            .par_iter()
+            .zip(marched.par_chunks_mut(count))
+            .flat_map_iter(|(point, results)| answers.ray_counts(point, results))
             .collect();
-        let found = blend.tallies(&self.gpu, rays, plan, frames, points, &counts, control)?;
+        let asked = Asked { frames, points, counts: &counts };
+        let found = cone_rays.tallies(&self.gpu, rays, plan, &asked, control)?;
         let Some(found) = found else { return Ok(None) };
-        let tallies: Vec<RayTally> = found.iter().map(|tally| tally.tally()).collect();
-        let each = points.iter().zip(marched.chunks(count)).zip(tallies.chunks(count));
-        Ok(Some(each.map(|((point, results), tallies)| answers.estimate(point, results, tallies)).collect()))
+        let tallies: Vec<RayTally> = found.par_iter().map(GpuTally::tally).collect();
+        let each = points.par_iter().zip(marched.par_chunks(count)).zip(tallies.par_chunks(count));
+        let each = each.map(|((point, results), tallies)| answers.estimate(point, results, tallies));
+        Ok(Some(each.collect()))
     }
 }
 
@@ -113,9 +126,7 @@ impl Backend for GpuBackend {
         estimates: &mut [Estimate],
         control: Control<'_>,
     ) -> Result<(), BackendError> {
-        if points.len() != estimates.len() {
-            return Err(BackendError::LengthMismatch { points: points.len(), estimates: estimates.len() });
-        }
+        BackendError::check_lengths(points, estimates)?;
         let cones = plan.cones.cones().len();
         let at_once = match plan.method {
             Method::Cones => MARCHED_AT_ONCE / cones,
@@ -131,8 +142,7 @@ impl Backend for GpuBackend {
             let found = self.estimated(plan, samples.clone(), points, control).map_err(device)?;
             let Some(found) = found else { return Ok(()) };
             for ((estimate, found), point) in estimates.iter_mut().zip(found).zip(points) {
-                let invalid = Estimate { visibility: 0.0, error: f32::INFINITY, ..Estimate::PENDING };
-                *estimate = if point.is_valid() { found } else { invalid };
+                *estimate = if point.is_valid() { found } else { Estimate::INVALID };
             }
             (control.progress)(points.len());
         }

@@ -47,6 +47,14 @@ impl From<&Cone> for GpuCone {
     }
 }
 
+/// Whose rays are asked for.
+pub(crate) struct Asked<'a> {
+    pub(crate) frames: Range<u32>,
+    pub(crate) points: &'a [SurfacePoint],
+    /// Rays of each cone of each point in a frame.
+    pub(crate) counts: &'a [u32],
+}
+
 /// Traces the rays of cones.
 pub(crate) struct ConeRays {
     kernel: Kernel,
@@ -58,26 +66,22 @@ impl ConeRays {
         Ok(Self { kernel: Kernel::new(gpu, "cone_rays", &rays.scene.layout, &asked)? })
     }
 
-    /// What the rays of the cones of points met, so many of each cone in each frame; nothing where the work was stopped.
-    #[allow(clippy::too_many_arguments, reason = "what a run asks, each by its name")]
+    /// What the rays of the cones of points met; nothing where the work was stopped.
     pub(crate) fn tallies(
         &self,
         gpu: &Gpu,
         rays: &Rays,
         plan: &AoPlan,
-        frames: Range<u32>,
-        points: &[SurfacePoint],
-        counts: &[u32],
+        Asked { frames, points, counts }: &Asked<'_>,
         control: Control<'_>,
     ) -> Result<Option<Vec<GpuTally>>, GpuError> {
         let packed: Vec<GpuPoint> = points.iter().map(GpuPoint::of_rays).collect();
         let cones: Vec<GpuCone> = plan.cones.cones().iter().map(GpuCone::from).collect();
-        let empty = vec![GpuTally::default(); counts.len()];
-        let (storage, read) = (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::COPY_SRC);
+        let storage = wgpu::BufferUsages::STORAGE;
         let asked = gpu.buffer("points", cast_slice(&packed), storage)?;
         let cone_buffer = gpu.buffer("cones", cast_slice(&cones), storage)?;
         let count_buffer = gpu.buffer("rays of cones", cast_slice(counts), storage)?;
-        let tallies = gpu.buffer("tallies", cast_slice(&empty), storage | read)?;
+        let tallies = gpu.answers::<GpuTally>("tallies", counts.len())?;
         let most = counts.iter().max().map_or(0, |most| most.saturating_mul(frames.len() as u32));
         let stride = most.next_power_of_two().min(GROUP);
         for first in (0..most).step_by(stride as usize) {

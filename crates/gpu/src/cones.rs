@@ -39,10 +39,10 @@ impl Cones {
         let packed: Vec<GpuPoint> = points.iter().map(GpuPoint::of_cones).collect();
         let axes: Vec<[f32; 4]> = cones.iter().map(|cone| cone.axis.extend(0.0).to_array()).collect();
         let count = points.len() * cones.len();
-        let (storage, read) = (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::COPY_SRC);
+        let storage = wgpu::BufferUsages::STORAGE;
         let asked = gpu.buffer("points", cast_slice(&packed), storage)?;
         let axes = gpu.buffer("axes of cones", cast_slice(&axes), storage)?;
-        let results = gpu.buffer("cones", cast_slice(&vec![[0f32; 2]; count]), storage | read)?;
+        let results = gpu.answers::<[f32; 2]>("cones", count)?;
         let march = self.octree.march(plan, points.len() as u32);
         let march = gpu.buffer("plan", bytes_of(&march), wgpu::BufferUsages::UNIFORM)?;
         let groups = (count as u32).div_ceil(GROUP);

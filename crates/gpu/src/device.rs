@@ -3,6 +3,9 @@
 use crate::GpuError;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// Least size of a buffer: that of the largest struct that a shader binds.
+const LEAST_BYTES: u64 = 112;
+
 /// What is known of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterFacts {
@@ -71,12 +74,23 @@ impl Gpu {
     /// # Errors
     /// There is none, or it gives no device.
     pub fn open(name: Option<&str>) -> Result<Self, GpuError> {
+        let wanted = name.map(str::to_lowercase);
+        Self::open_where(name, |facts| {
+            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
+        })
+    }
+
+    /// Opens the first adapter that is no program on the CPU.
+    ///
+    /// # Errors
+    /// There is none, or it gives no device.
+    pub fn open_real() -> Result<Self, GpuError> {
+        Self::open_where(None, |facts| !facts.is_software)
+    }
+
+    fn open_where(name: Option<&str>, fits: impl Fn(&AdapterFacts) -> bool) -> Result<Self, GpuError> {
         let all = found();
         let told: Vec<String> = all.iter().map(|(_, facts)| facts.name.clone()).collect();
-        let wanted = name.map(str::to_lowercase);
-        let fits = |facts: &AdapterFacts| {
-            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
-        };
         let Some((adapter, facts)) = all.into_iter().find(|(_, facts)| fits(facts)) else {
             let found = if told.is_empty() { "is none".into() } else { format!("are {}", told.join(", ")) };
             return Err(GpuError::NoAdapter { wanted: name.map(Into::into), found });
@@ -135,18 +149,31 @@ impl Gpu {
         bytes: &[u8],
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, GpuError> {
-        let size = (bytes.len() as u64).next_multiple_of(16).max(96);
-        self.check_size(what, size)?;
-        let usage = usage | wgpu::BufferUsages::COPY_DST;
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(what),
-            size,
-            usage,
-            mapped_at_creation: false,
-        });
+        let buffer = self.empty(what, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST)?;
         self.queue.write_buffer(&buffer, 0, bytes);
         self.check()?;
         Ok(buffer)
+    }
+
+    /// A buffer for so many answers, all zero at first, to be read.
+    pub(crate) fn answers<T>(&self, what: &'static str, count: usize) -> Result<wgpu::Buffer, GpuError> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let buffer = self.empty(what, (count * size_of::<T>()) as u64, usage)?;
+        self.check()?;
+        Ok(buffer)
+    }
+
+    /// Buffers are zero at first.
+    fn empty(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let size = bytes.next_multiple_of(16).max(LEAST_BYTES);
+        self.check_size(what, size)?;
+        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
+        Ok(self.device.create_buffer(&descriptor))
     }
 }
 

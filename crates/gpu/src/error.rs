@@ -40,6 +40,9 @@ pub enum GpuError {
     /// A method that is not built for it.
     #[error("method {0} runs on the CPU alone")]
     Method(Method),
+    /// A method whose structures were not given.
+    #[error("nothing was uploaded for method {0}: build a session with it")]
+    NotUploaded(Method),
     /// The device went away, or memory ran out, while it worked.
     #[error("{adapter} failed: {reason}")]
     Failed {

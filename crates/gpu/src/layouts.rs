@@ -2,10 +2,11 @@
 
 use crate::{
     cone_rays::{ConeRaysUniform, GpuCone},
-    octree::{GpuLevel, MarchUniform},
+    octree::MarchUniform,
     points::{AoUniform, GpuPoint, GpuTally},
     scene::{GpuMaterial, GpuPlacement, GpuTriangle},
 };
+use conray_voxel::PackedLevel;
 use obvhs::cwbvh::node::CwBvhNode;
 use std::mem::offset_of;
 
@@ -93,7 +94,7 @@ pub fn layouts() -> Vec<StructLayout> {
             pad_b
         ),
         layout!("cone_rays.wgsl", "Cone", GpuCone, axis, cos_half_angle, low, edge, pad),
-        layout!("cones.wgsl", "Level", GpuLevel, side, across, table, words),
+        layout!("cones.wgsl", "Level", PackedLevel, side, across, table, words),
         layout!(
             "cones.wgsl",
             "March",

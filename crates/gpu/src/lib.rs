@@ -27,5 +27,4 @@ pub use backend::GpuBackend;
 pub use device::{AdapterFacts, Gpu, adapters};
 pub use error::GpuError;
 pub use layouts::{StructLayout, layouts};
-pub use scene::{GpuScene, SceneBytes};
 pub use shader::{SHADERS, source};

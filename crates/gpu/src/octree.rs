@@ -6,16 +6,6 @@ use conray_core::Vec3;
 use conray_estimate::AoPlan;
 use conray_voxel::{MarchOptions, Octree};
 
-/// Where a level's numbers are.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct GpuLevel {
-    pub(crate) side: u32,
-    pub(crate) across: u32,
-    pub(crate) table: u32,
-    pub(crate) words: u32,
-}
-
 /// What all cones of a plan share.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -51,24 +41,14 @@ impl GpuOctree {
         gpu.check_size("opacities of the octree", 4 * words)?;
         gpu.check_size("places of the octree's bricks", 4 * places)?;
         let packed = octree.packed();
-        let levels: Vec<GpuLevel> = packed
-            .levels
-            .iter()
-            .map(|level| GpuLevel {
-                side: level.side,
-                across: level.across,
-                table: level.table,
-                words: level.words,
-            })
-            .collect();
         let storage = wgpu::BufferUsages::STORAGE;
         let buffers = [
-            gpu.buffer("levels", cast_slice(&levels), storage)?,
+            gpu.buffer("levels", cast_slice(&packed.levels), storage)?,
             gpu.buffer("places of the octree's bricks", cast_slice(&packed.table), storage)?,
             gpu.buffer("opacities of the octree", cast_slice(&packed.words), storage)?,
         ];
         let (origin, voxel_size, resolution) = (packed.origin, packed.voxel_size, packed.resolution);
-        Ok(Self { origin, voxel_size, resolution, levels: levels.len(), buffers })
+        Ok(Self { origin, voxel_size, resolution, levels: packed.levels.len(), buffers })
     }
 
     /// The march of a plan's cones from so many points.

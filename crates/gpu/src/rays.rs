@@ -1,9 +1,10 @@
 //! Method `rays` on a device.
 
 use crate::{
-    Gpu, GpuError, GpuScene,
+    Gpu, GpuError,
     kernel::{Bound, GROUP, Kernel},
     points::{AoUniform, GpuPoint, GpuTally},
+    scene::GpuScene,
 };
 use bytemuck::{bytes_of, cast_slice};
 use conray_core::SurfacePoint;
@@ -33,10 +34,8 @@ impl Rays {
         control: Control<'_>,
     ) -> Result<Option<Vec<GpuTally>>, GpuError> {
         let packed: Vec<GpuPoint> = points.iter().map(GpuPoint::of_rays).collect();
-        let empty = vec![GpuTally::default(); points.len()];
-        let (storage, read) = (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::COPY_SRC);
-        let asked = gpu.buffer("points", cast_slice(&packed), storage)?;
-        let tallies = gpu.buffer("tallies", cast_slice(&empty), storage | read)?;
+        let asked = gpu.buffer("points", cast_slice(&packed), wgpu::BufferUsages::STORAGE)?;
+        let tallies = gpu.answers::<GpuTally>("tallies", points.len())?;
         let count = points.len() as u32;
         for first in samples.clone().step_by(GROUP as usize) {
             if control.is_cancelled() {

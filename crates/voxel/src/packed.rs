@@ -4,13 +4,15 @@ use crate::{
     Octree,
     level::{Bricks, Level},
 };
+use bytemuck::{Pod, Zeroable};
 use conray_core::Vec3;
 
 /// Words of a brick of leaves: four leaves each.
 const LEAF_WORDS: usize = 512 / 4;
 
 /// Where a level's numbers are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PackedLevel {
     /// Nodes along a side of the cube.
     pub side: u32,

@@ -1,5 +1,6 @@
 //! `conray bake`: ambient occlusion into the textures of a model.
 
+mod checks;
 mod job;
 mod output;
 mod plan;
@@ -18,22 +19,18 @@ use crate::{
     report::Reporter,
 };
 use conray::{
-    AoSettings, Backs, Device, Distance, Event, Geometry, Method, Session, SessionOptions, Work,
+    AoSettings, Backs, Distance, Event, Geometry, Session, Work,
     scene::{self, Scene},
-    target::{self, AtlasMap, MapSize},
+    target::{self, AtlasMap},
 };
 use conray_bake::{
-    Apart, BentColours, BentSpace, MAX_MAP_SIDE, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap,
-    bake_maps,
+    Apart, BentColours, BentSpace, MapOptions, Memory, Places, Sheets, Unmapped, Unwrap, bake_maps,
 };
 use output::Output;
 use std::{
     path::{Path, PathBuf},
     sync::atomic::AtomicBool,
 };
-
-/// Texels of all maps together: more are beyond the numbers that count them, and any memory.
-const MAX_TEXELS: u64 = 1 << 30;
 
 pub(crate) fn run(args: &BakeArgs) -> Result<(), Failure> {
     if args.options.is_some() {
@@ -91,9 +88,10 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
         target::check_writable(&to)?;
     }
     let for_vertices = Output::is_for_vertices(output.as_ref(), args)?;
-    check_use(for_vertices, output.as_ref())?;
+    checks::use_of_options(for_vertices, output.as_ref())?;
     preview::check(args, for_vertices)?;
-    check_state(args, &settings)?;
+    checks::state(args, &settings)?;
+    let options = checks::device_options(args)?;
     let mut scene = scene::load_with(&model, &scene::Limits::default(), args.extras())?;
     reporter.scene_warnings(&scene);
     let scope = args.scope();
@@ -115,7 +113,6 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     } else {
         sheets_of(args, &geometry, &chosen.receivers, !origins.is_empty(), output.as_ref())?
     };
-    let options = device_options(args)?;
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     let facing = session.install(|| args.facing(session.geometry(), &chosen.receivers)).ok_or_else(|| {
         let what = "--normal mapped: no material of what is baked has a normal map that can be read";
@@ -216,57 +213,6 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     explain::check(args.ao.strict, missed)
 }
 
-/// How the session works: objects that stand apart are estimated on the CPU, since each would need a device.
-fn device_options(args: &BakeArgs) -> Result<SessionOptions, Failure> {
-    let options = args.run.options();
-    match options.device {
-        _ if !args.scope().self_only => Ok(options),
-        Device::Gpu => Err(Failure::Request(
-            "--device: objects that stand apart are estimated on the CPU; leave out --self-only and --shared"
-                .into(),
-        )),
-        Device::Auto | Device::Cpu => Ok(SessionOptions { device: Device::Cpu, ..options }),
-    }
-}
-
-/// Refuses options that were given and would do nothing.
-fn check_use(for_vertices: bool, output: Option<&Output>) -> Result<(), Failure> {
-    const OF_MAPS: [&str; 9] =
-        ["size", "density", "no-unwrap", "padding", "supersample", "bits", "bent-normals", "shared", "pack"];
-    const OF_VERTICES: [&str; 3] = ["attribute", "samples-per-triangle", "smoothness"];
-    let given = job::given();
-    let first = |options: &[&'static str]| options.iter().copied().find(|option| given.get(option).is_some());
-    let refuse = |option: &str, what: &str| Err(Failure::Request(format!("--{option}: {what}")));
-    match (for_vertices, output) {
-        (true, _) if let Some(option) = first(&OF_MAPS) => refuse(option, "is for maps, not for vertices"),
-        (true, Some(Output::Ply | Output::Obj)) if let Some(option) = first(&["attribute"]) => {
-            refuse(option, "is for glTF alone")
-        }
-        (false, _) if let Some(option) = first(&OF_VERTICES) => {
-            refuse(option, "is for vertices, not for maps")
-        }
-        (false, Some(Output::Png | Output::Exr)) if let Some(option) = first(&["pack"]) => {
-            refuse(option, "is for glTF alone")
-        }
-        (false, Some(Output::Exr)) if let Some(option) = first(&["bits"]) => refuse(option, "an EXR has 32"),
-        _ => Ok(()),
-    }
-}
-
-/// Makes the folder of kept work, or refuses one that could not be used, before any work.
-fn check_state(args: &BakeArgs, settings: &AoSettings) -> Result<(), Failure> {
-    let Some(folder) = &args.state else { return Ok(()) };
-    let refuse = |problem: String| Err(Failure::Request(format!("--state {}: {problem}", folder.display())));
-    if settings.method != Method::Hybrid {
-        return refuse(format!("needs --method hybrid, not {}", settings.method));
-    }
-    match std::fs::create_dir(folder) {
-        Ok(()) => Ok(()),
-        Err(_) if folder.is_dir() => Ok(()),
-        Err(e) => Err(Failure::Work(format!("{}: cannot be made: {e}", folder.display()))),
-    }
-}
-
 /// A distance that does not depend on what is in the scene; one that makes no sense is left for the settings to refuse.
 fn definite(distance: Distance, in_world: f32) -> Distance {
     match distance {
@@ -294,27 +240,8 @@ fn sheets_of(
     if let Some(unmapped) = sheets.unmapped.first() {
         return Err(no_uvs(unmapped, &sheets, &geometry.instances()[unmapped.instance as usize].name));
     }
-    check_size(args, &sheets)?;
+    checks::size_of_maps(args, &sheets)?;
     Ok(sheets)
-}
-
-/// Refuses maps that are too large, each or together.
-fn check_size(args: &BakeArgs, sheets: &Sheets) -> Result<(), Failure> {
-    let (option, count) = (args.extent_option(), sheets.sheets.len());
-    let sizes = || sheets.sheets.iter().map(|sheet| (&sheet.name, sheet.size));
-    let is_too_large = |size: MapSize| size.width.max(size.height) > MAX_MAP_SIDE;
-    if let Some((name, MapSize { width, height })) = sizes().find(|(_, size)| is_too_large(*size)) {
-        let what = format!(
-            "{option}: the map of {name} would be {width} x {height}, and {MAX_MAP_SIDE} is the most; choose less"
-        );
-        return Err(Failure::Request(what));
-    }
-    let texels: u64 = sizes().map(|(_, size)| u64::from(size.width) * u64::from(size.height)).sum();
-    if texels > MAX_TEXELS {
-        let what = format!("{option}: {count} maps of {texels} texels together are too large; choose less");
-        return Err(Failure::Request(what));
-    }
-    Ok(())
 }
 
 fn no_uvs(unmapped: &Unmapped, sheets: &Sheets, name: &str) -> Failure {

@@ -48,7 +48,6 @@ pub(super) fn tell(told: &Told<'_>) {
     facts["maps"] = told.sheets.sheets.iter().map(|sheet| json!(sheet.name)).collect();
     facts["sizes"] =
         told.sheets.sheets.iter().map(|sheet| json!([sheet.size.width, sheet.size.height])).collect();
-    facts["missing"] = json!(baked.maps.iter().map(AtlasMap::missing).sum::<usize>());
     facts["buried"] = json!(baked.buried);
     let SeamReport { places, within, rms, worst } = baked.seams;
     let bound = MapOptions::default().seam_bound;

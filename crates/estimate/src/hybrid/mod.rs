@@ -45,7 +45,7 @@ mod window;
 pub use constants::HybridConstants;
 pub use state::StateError;
 
-use crate::{AoPlan, Choice, Explanation, Round, cpu::INVALID};
+use crate::{AoPlan, Choice, Explanation, Round};
 use choose::Order;
 use columns::PART;
 use conray_bvh::Level;
@@ -180,7 +180,7 @@ impl Hybrid {
         let tallies = shown(&self.tallies, &self.unfinished);
         let one = |&at: &u32| {
             if at == NO_POINT {
-                return INVALID;
+                return Estimate::INVALID;
             }
             let at = at as usize;
             let Some(&visibility) = self.known.value.get(at) else { return Estimate::PENDING };

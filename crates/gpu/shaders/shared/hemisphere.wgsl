@@ -24,7 +24,8 @@ fn cosine_cone(square: vec2<f32>, reach: f32) -> vec3<f32> {
 
 // Takes a direction about +z to one about a unit normal.
 fn to_world(z: vec3<f32>, local: vec3<f32>) -> vec3<f32> {
-    let sign = select(-1.0, 1.0, z.z >= 0.0);
+    // Of zero too: -0 is below.
+    let sign = select(1.0, -1.0, (bitcast<u32>(z.z) >> 31u) != 0u);
     let a = -1.0 / (sign + z.z);
     let b = z.x * z.y * a;
     let x = vec3(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x);

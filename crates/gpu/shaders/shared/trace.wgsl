@@ -270,8 +270,8 @@ fn trace(ray: Ray, nearest: bool) -> Trace {
     return found;
 }
 
-// Surfaces that a ray may pass before it is taken to be blocked: leaves one behind the other.
-const MOST_LAYERS: u32 = 64u;
+// Surfaces that a ray with a falloff meets one behind the other: what little is behind so many counts as open. Of surfaces at one distance it meets one.
+const MOST_LAYERS: u32 = 1024u;
 
 // Visibility along a ray of the AO distance, with the falloff of that number: crates/bvh/src/query.rs.
 fn visibility(ray: Ray, falloff: u32) -> f32 {

@@ -13,24 +13,10 @@ pub(crate) use trees::GpuPlacement;
 use trees::Trees;
 pub(crate) use triangles::GpuTriangle;
 
-/// Bytes of a scene on a device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SceneBytes {
-    /// Nodes of the trees.
-    pub nodes: u64,
-    /// Triangles.
-    pub triangles: u64,
-    /// Placements of meshes that are shown several times.
-    pub placements: u64,
-    /// Opacities, with the UVs that read them.
-    pub opacities: u64,
-}
-
 /// A scene on a device.
-pub struct GpuScene {
+pub(crate) struct GpuScene {
     pub(crate) bindings: wgpu::BindGroup,
     pub(crate) layout: wgpu::BindGroupLayout,
-    bytes: SceneBytes,
 }
 
 impl GpuScene {
@@ -38,7 +24,7 @@ impl GpuScene {
     ///
     /// # Errors
     /// What is too large for the adapter, with the numbers, or a device that fails.
-    pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, geometry: &Geometry) -> Result<Self, GpuError> {
         // Told before any work.
         let count = geometry.stored_triangle_count();
         gpu.check_size("triangles", count.saturating_mul(size_of::<GpuTriangle>() as u64))?;
@@ -53,13 +39,6 @@ impl GpuScene {
         ];
         let (layout, bindings) = scene_bindings(gpu, "scene", &buffers.each_ref());
         gpu.check()?;
-        let [nodes, triangles, opacities, placements] = buffers.map(|buffer| buffer.size());
-        let bytes = SceneBytes { nodes, triangles, placements, opacities };
-        Ok(Self { bindings, layout, bytes })
-    }
-
-    /// Bytes that it takes on the device.
-    pub fn bytes(&self) -> SceneBytes {
-        self.bytes
+        Ok(Self { bindings, layout })
     }
 }

@@ -26,12 +26,8 @@ impl ObjNormalMaps {
         intake: &mut Intake,
         mtl: &MtlMaterial,
     ) -> Result<Option<NormalMap>, Fault> {
-        let map = match (&mtl.normal_map, &mtl.bump_map) {
-            (Some(map), _) => self.image(intake, map)?.map(|texture| (map, texture)),
-            (None, Some(map)) => self.image(intake, map)?.map(|texture| (map, texture)),
-            (None, None) => None,
-        };
-        let Some((map, texture)) = map else { return Ok(None) };
+        let Some(map) = mtl.normal_map.as_ref().or(mtl.bump_map.as_ref()) else { return Ok(None) };
+        let Some(texture) = self.image(intake, map)? else { return Ok(None) };
         if is_grey(&texture) {
             let example = format!("{}, which is of heights", shown(map.file.as_bytes()));
             intake.scene.warn(WarningKind::MissingNormalMap, 1, example);
