@@ -36,12 +36,15 @@ impl Session {
         let start = Instant::now();
         let plan = AoPlan { budget, ..self.plan.clone() };
         match self.hybrid(&plan, target) {
-            Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, budget, target.points(), start, control)),
+            Some(mut hybrid) => {
+                let outcome = self.run_hybrid(&mut hybrid, budget, target.points(), start, control);
+                unless_failed(&hybrid, outcome)
+            }
             None => self.run_within(&plan, target.points(), control),
         }
     }
 
-    /// The same by method `hybrid`, going on with the work that a file keeps, where there is one, and keeping it there at the end and when stopped: in the
+    /// The same by method `hybrid`, going on with the work that a file keeps, where there is one, and keeping it there at the end, when stopped and where a device fails: in the
     /// end the bits are those of unbroken work. What does not share is not kept.
     ///
     /// # Errors
@@ -61,7 +64,7 @@ impl Session {
         let mut hybrid = self.load(begun, &plan, points, path)?;
         let outcome = self.run_hybrid(&mut hybrid, budget, points, start, control);
         self.save(&hybrid, &plan, points, path)?;
-        Ok(outcome)
+        unless_failed(&hybrid, outcome)
     }
 
     /// Goes on with a refinement until a budget is spent: rays of all work on it, seconds since `start`.
@@ -79,7 +82,7 @@ impl Session {
         let ended = self.refine(hybrid, &self.plan, points, budget, control);
         let estimates = self.install(|| hybrid.estimates());
         let work = Work {
-            completed: ended != Ended::Cancelled,
+            completed: !matches!(ended, Ended::Cancelled | Ended::Failed),
             ended,
             expected_rmse: hybrid.expected_rmse(),
             seconds: start.elapsed().as_secs_f64(),
@@ -116,6 +119,12 @@ impl Session {
         budget: Budget,
         control: Control<'_>,
     ) -> Ended {
-        self.install(|| hybrid.refine(plan, &self.bvh, points, budget, control))
+        let device = self.backend.bundles();
+        self.install(|| hybrid.refine_on(device, plan, &self.bvh, points, budget, control))
     }
+}
+
+/// The outcome, or why the device failed.
+fn unless_failed(hybrid: &Hybrid, outcome: Outcome) -> Result<Outcome, Error> {
+    hybrid.failure().map_or(Ok(outcome), |failure| Err(failure.clone().into()))
 }

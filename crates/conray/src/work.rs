@@ -63,6 +63,7 @@ fn rank(ended: Ended) -> u32 {
         Ended::Rays => 2,
         Ended::Time => 3,
         Ended::Cancelled => 4,
+        Ended::Failed => 5,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The waist of conray: surface points in, estimates out.
 
-use crate::AoPlan;
+use crate::{AoPlan, Bundles};
 use conray_core::{Estimate, SurfacePoint};
 use std::{
     ops::Range,
@@ -81,6 +81,11 @@ pub trait Backend: Send + Sync {
         estimates: &mut [Estimate],
         control: Control<'_>,
     ) -> Result<(), BackendError>;
+
+    /// Where bundles of method `hybrid` are traced, if it is not on the CPU.
+    fn bundles(&self) -> Option<&dyn Bundles> {
+        None
+    }
 }
 
 /// The estimate from `a_samples` and `b_samples` samples together, each told in `a` and `b`.

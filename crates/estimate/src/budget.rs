@@ -44,6 +44,8 @@ pub enum Ended {
     Error,
     /// The caller stopped it.
     Cancelled,
+    /// A device failed.
+    Failed,
     /// All that the method does was done, or there was no point to estimate.
     Done,
 }
@@ -55,6 +57,7 @@ impl fmt::Display for Ended {
             Self::Time => "the time was up",
             Self::Error => "the error was reached",
             Self::Cancelled => "it was interrupted",
+            Self::Failed => "the device failed",
             Self::Done => "there was nothing more to do",
         })
     }

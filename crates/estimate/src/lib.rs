@@ -28,7 +28,7 @@ pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use epsilon::Epsilon;
 pub use explanation::{Choice, Explanation, Round};
-pub use hybrid::{Hybrid, HybridConstants, StateError};
+pub use hybrid::{Batch, BatchFound, Bundles, Hybrid, HybridConstants, StateError, UnitFound};
 pub use meter::{Meter, PROGRESS_UNITS};
 pub use methods::{BlendAnswers, ConeAnswers, RayTally};
 pub use plan::AoPlan;

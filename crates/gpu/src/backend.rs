@@ -2,6 +2,7 @@
 
 use crate::{
     Gpu, GpuError,
+    bundles::BundleRays,
     cone_rays::{Asked, ConeRays},
     cones::Cones,
     points::{AoUniform, GpuTally},
@@ -9,7 +10,10 @@ use crate::{
     scene::GpuScene,
 };
 use conray_core::{Estimate, Geometry, SurfacePoint};
-use conray_estimate::{AoPlan, Backend, BackendError, BlendAnswers, ConeAnswers, Control, Method, RayTally};
+use conray_estimate::{
+    AoPlan, Backend, BackendError, Batch, BatchFound, BlendAnswers, Bundles, ConeAnswers, Control, Method,
+    RayTally,
+};
 use conray_voxel::{ConeResult, Octree};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -26,10 +30,11 @@ pub struct GpuBackend {
     rays: Option<Rays>,
     cones: Option<Cones>,
     cone_rays: Option<ConeRays>,
+    bundles: Option<BundleRays>,
 }
 
 impl GpuBackend {
-    /// Uploads what methods need, and compiles their shaders: the scene for `rays`, an octree for `cones`, both for `paper`.
+    /// Uploads what methods need, and compiles their shaders: the scene for `rays` and `hybrid`, an octree for `cones`, both for `paper`.
     ///
     /// # Errors
     /// What is too large for the adapter, with the numbers, a shader that it refuses, or a device that fails.
@@ -40,7 +45,8 @@ impl GpuBackend {
             (Some(rays), Some(_)) => Some(ConeRays::new(&gpu, rays)?),
             _ => None,
         };
-        Ok(Self { gpu, rays, cones, cone_rays })
+        let bundles = rays.as_ref().map(|rays| BundleRays::new(&gpu, rays)).transpose()?;
+        Ok(Self { gpu, rays, cones, cone_rays, bundles })
     }
 
     /// The device.
@@ -54,9 +60,8 @@ impl GpuBackend {
     /// What is missing.
     pub fn check(plan: &AoPlan) -> Result<(), GpuError> {
         match plan.method {
-            Method::Rays => AoUniform::new(plan, 0..1, 0).map(|_| ()),
+            Method::Rays | Method::Hybrid => AoUniform::new(plan, 0..1, 0).map(|_| ()),
             Method::Cones | Method::Paper => Ok(()),
-            method => Err(GpuError::Method(method)),
         }
     }
 
@@ -71,7 +76,8 @@ impl GpuBackend {
         let rays = || self.rays.as_ref().ok_or_else(absent);
         let cones = || self.cones.as_ref().ok_or_else(absent);
         match plan.method {
-            Method::Rays => {
+            // One by one, points have no neighbours to share with.
+            Method::Rays | Method::Hybrid => {
                 let found = rays()?.tallies(&self.gpu, plan, samples, points, control)?;
                 Ok(found.map(|found| found.par_iter().map(|tally| tally.tally().estimate()).collect()))
             }
@@ -86,7 +92,6 @@ impl GpuBackend {
                 let cone_rays = self.cone_rays.as_ref().ok_or_else(absent)?;
                 self.blended((cone_rays, rays()?), marched, plan, samples, points, control)
             }
-            Method::Hybrid => Err(GpuError::Method(plan.method)),
         }
     }
 
@@ -147,5 +152,25 @@ impl Backend for GpuBackend {
             (control.progress)(points.len());
         }
         Ok(())
+    }
+
+    fn bundles(&self) -> Option<&dyn Bundles> {
+        self.bundles.is_some().then_some(self)
+    }
+}
+
+impl Bundles for GpuBackend {
+    fn trace(
+        &self,
+        plan: &AoPlan,
+        points: &[SurfacePoint],
+        batches: &[Batch],
+        salt: u32,
+    ) -> Result<Vec<BatchFound>, BackendError> {
+        let (Some(bundles), Some(rays)) = (&self.bundles, &self.rays) else {
+            return Err(BackendError::Device(GpuError::NotUploaded(plan.method).to_string()));
+        };
+        let found = bundles.trace(&self.gpu, rays, plan, points, batches, salt);
+        found.map_err(|e| BackendError::Device(e.to_string()))
     }
 }

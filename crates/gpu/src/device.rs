@@ -122,6 +122,11 @@ impl Gpu {
         &self.facts
     }
 
+    /// Gives the device back at once: what is asked of it afterwards fails, as when it is lost.
+    pub fn destroy(&self) {
+        self.device.destroy();
+    }
+
     /// Refuses what one buffer cannot hold.
     pub(crate) fn check_size(&self, what: &'static str, bytes: u64) -> Result<(), GpuError> {
         let limits = self.device.limits();

@@ -37,9 +37,6 @@ pub enum GpuError {
     /// A method, or a setting of one, that is not built for it.
     #[error("{0} runs on the CPU alone")]
     Unsupported(&'static str),
-    /// A method that is not built for it.
-    #[error("method {0} runs on the CPU alone")]
-    Method(Method),
     /// A method whose structures were not given.
     #[error("nothing was uploaded for method {0}: build a session with it")]
     NotUploaded(Method),

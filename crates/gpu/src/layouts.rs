@@ -1,6 +1,7 @@
 //! Where the members of structs lie that shaders read too, for the tests to compare.
 
 use crate::{
+    bundles::{BundlesUniform, GpuUnit, GpuUnitTold},
     cone_rays::{ConeRaysUniform, GpuCone},
     octree::MarchUniform,
     points::{AoUniform, GpuPoint, GpuTally},
@@ -93,6 +94,21 @@ pub fn layouts() -> Vec<StructLayout> {
             pad_a,
             pad_b
         ),
+        layout!(
+            "bundles.wgsl",
+            "Bundles",
+            BundlesUniform,
+            distance,
+            reach,
+            bias,
+            falloff,
+            seed,
+            units,
+            pad_a,
+            pad_b
+        ),
+        layout!("bundles.wgsl", "Unit", GpuUnit, point, index),
+        layout!("bundles.wgsl", "UnitTold", GpuUnitTold, bent, mean, variance, of_full, pad_a, pad_b),
         layout!("cone_rays.wgsl", "Cone", GpuCone, axis, cos_half_angle, low, edge, pad),
         layout!("cones.wgsl", "Level", PackedLevel, side, across, table, words),
         layout!(

@@ -4,13 +4,14 @@
 //! adapters() / Gpu::open -> Gpu            device.rs: device, queue, limits, what went wrong
 //! Geometry -> GpuScene                     scene/: triangles under compressed wide nodes, opacities
 //! Octree -> octree.rs                      bricks of opacities and where they are
-//! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, cones.rs; kernel.rs: one entry point and a run of it
+//! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, bundles.rs, cones.rs; kernel.rs: one entry point and a run of it
 //! ```
 //!
-//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Methods `rays`, `cones` and `paper` are there; `hybrid` is told to be
-//! missing ([`GpuError::Method`]). Samples and steps are those of the CPU, so results differ by rounding alone.
+//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Of method `hybrid` the rays are traced here and the
+//! weighing is the CPU's. Samples and steps are those of the CPU, so results differ by rounding alone.
 
 mod backend;
+mod bundles;
 mod cone_rays;
 mod cones;
 mod device;

@@ -3,7 +3,7 @@
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
 use conray_core::{Falloff, SurfacePoint, Vec3};
-use conray_estimate::{AoPlan, Method, RayTally, Sampling};
+use conray_estimate::{AoPlan, RayTally, Sampling};
 use std::ops::Range;
 
 /// What all points share.
@@ -27,9 +27,6 @@ pub(crate) struct AoUniform {
 impl AoUniform {
     /// For some samples, no more than a workgroup has threads, of so many points.
     pub(crate) fn new(plan: &AoPlan, samples: Range<u32>, points: u32) -> Result<Self, GpuError> {
-        if plan.method != Method::Rays {
-            return Err(GpuError::Method(plan.method));
-        }
         if plan.sampling != Sampling::Sobol {
             return Err(GpuError::Unsupported("sampling other than sobol"));
         }

@@ -1,12 +1,13 @@
 //! The shaders, with what they include put in its place.
 
 /// Entry points, by the names of their files.
-pub const SHADERS: [&str; 3] = ["rays.wgsl", "cones.wgsl", "cone_rays.wgsl"];
+pub const SHADERS: [&str; 4] = ["rays.wgsl", "cones.wgsl", "cone_rays.wgsl", "bundles.wgsl"];
 
-const FILES: [(&str, &str); 12] = [
+const FILES: [(&str, &str); 13] = [
     ("rays.wgsl", include_str!("../shaders/rays.wgsl")),
     ("cones.wgsl", include_str!("../shaders/cones.wgsl")),
     ("cone_rays.wgsl", include_str!("../shaders/cone_rays.wgsl")),
+    ("bundles.wgsl", include_str!("../shaders/bundles.wgsl")),
     ("shared/point.wgsl", include_str!("../shaders/shared/point.wgsl")),
     ("shared/seen.wgsl", include_str!("../shaders/shared/seen.wgsl")),
     ("shared/octree.wgsl", include_str!("../shaders/shared/octree.wgsl")),

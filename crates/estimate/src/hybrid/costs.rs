@@ -1,7 +1,7 @@
 //! What rays and weighing cost here, in wall-clock seconds with all threads at work.
 
 use super::{
-    Hybrid, bundles,
+    Batch, Bundles, Hybrid, bundles,
     refine::Work,
     start::SALT,
     tallies::{FULL, UNIT},
@@ -45,20 +45,31 @@ impl Hybrid {
         let threads = rayon::current_num_threads();
         let wanted = POINTS.max(POINTS_A_THREAD * threads).min(self.covered.div_ceil(TIMED_OF) as usize);
         let places: Vec<u32> = self.pixels.covered().collect();
-        let point =
-            |k: usize| &work.points[self.pixels.point[places[k * places.len() / wanted] as usize] as usize];
-        let time = |units: u32| {
+        let pick = |k: usize| self.pixels.point[places[k * places.len() / wanted] as usize];
+        let picked: Vec<u32> = (0..wanted).map(pick).collect();
+        let on_device = |device: &dyn Bundles, units: u32| {
+            let batch = |&point: &u32| Batch { point, first: 0, count: units };
+            let batches: Vec<Batch> = picked.iter().map(batch).collect();
+            device.trace(work.plan, work.points, &batches, SALT).err()
+        };
+        let here = |units: u32| {
+            picked.par_iter().with_min_len(wanted.div_ceil(4 * threads)).for_each(|&point| {
+                bundles::trace(work.plan, work.bvh, &work.points[point as usize], 0..units, SALT);
+            });
+        };
+        let mut failure = None;
+        let mut time = |units: u32| {
             let start = Instant::now();
-            let found: u32 = (0..wanted)
-                .into_par_iter()
-                .with_min_len(wanted.div_ceil(4 * threads))
-                .map(|k| bundles::trace(work.plan, work.bvh, point(k), 0..units, SALT).units)
-                .sum();
-            start.elapsed().as_secs_f64() / f64::from(found * UNIT)
+            match work.device {
+                Some(device) => failure = failure.take().or(on_device(device, units)),
+                None => here(units),
+            }
+            start.elapsed().as_secs_f64() / (wanted as f64 * f64::from(units * UNIT))
         };
         // The first time warms caches up.
         time(1);
         self.costs.piloted = Some([time(1), time(FULL)]);
+        self.failure = failure;
         self.pilot_rays += wanted as u64 * u64::from((1 + 1 + FULL) * UNIT);
     }
 

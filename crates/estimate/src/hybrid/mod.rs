@@ -12,6 +12,8 @@
 //!    +---- choose.rs: more bundles where they lower the error most <--+
 //! ```
 //!
+//! device.rs traces the bundles on a device instead, many points at a time.
+//!
 //! refine.rs goes round until a budget is spent: forecast.rs foresees rays and errors, costs.rs knows what time they take, evenly.rs
 //! leaves the weighing out where it does not pay, state.rs keeps the work for later.
 //!
@@ -25,6 +27,7 @@ mod choose;
 mod columns;
 mod constants;
 mod costs;
+mod device;
 mod evenly;
 mod forecast;
 mod guesses;
@@ -43,9 +46,10 @@ mod weigh;
 mod window;
 
 pub use constants::HybridConstants;
+pub use device::{Batch, BatchFound, Bundles, UnitFound};
 pub use state::StateError;
 
-use crate::{AoPlan, Choice, Explanation, Round};
+use crate::{AoPlan, BackendError, Choice, Explanation, Round};
 use choose::Order;
 use columns::PART;
 use conray_bvh::Level;
@@ -85,6 +89,8 @@ pub struct Hybrid {
     /// Rays a point that the plan reckons with.
     foreseen: f64,
     foreseen_rmse: Option<[f64; 2]>,
+    /// What a device said when it failed.
+    failure: Option<BackendError>,
 }
 
 impl Hybrid {
@@ -116,6 +122,7 @@ impl Hybrid {
             costs: Costs::default(),
             foreseen: 0.0,
             foreseen_rmse: None,
+            failure: None,
             pixels,
         }
     }
@@ -146,6 +153,11 @@ impl Hybrid {
         let parts: Vec<(f64, u64)> = parts.map(part).collect();
         let (sum, count) = parts.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if count > 0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
+    }
+
+    /// Why a device failed in the last refinement, if it did.
+    pub fn failure(&self) -> Option<&BackendError> {
+        self.failure.as_ref()
     }
 
     /// The plan as carried out so far, and why.

@@ -1,6 +1,6 @@
 //! Rounds of rays until a budget is spent.
 
-use super::{Hybrid, Order, UNIT, bundles, choose, columns::PART, tallies::Tally};
+use super::{Bundles, Hybrid, Order, UNIT, bundles, choose, columns::PART, tallies::Tally};
 use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
@@ -22,6 +22,8 @@ const CHUNK: usize = 64;
 pub(super) struct Work<'a> {
     pub(super) plan: &'a AoPlan,
     pub(super) bvh: &'a Bvh,
+    /// Where bundles are traced; on the CPU where it is none.
+    pub(super) device: Option<&'a dyn Bundles>,
     pub(super) points: &'a [SurfacePoint],
     pub(super) budget: Budget,
     pub(super) meter: &'a Meter<'a>,
@@ -52,10 +54,28 @@ impl Hybrid {
         budget: Budget,
         control: Control<'_>,
     ) -> Ended {
+        self.refine_on(None, plan, bvh, points, budget, control)
+    }
+
+    /// The same with rays traced on a device: where that fails it says so ([`Ended::Failed`], [`Hybrid::failure`]), and what it had found is
+    /// as that of an interrupted round.
+    ///
+    /// # Panics
+    /// As [`Hybrid::refine`].
+    pub fn refine_on(
+        &mut self,
+        device: Option<&dyn Bundles>,
+        plan: &AoPlan,
+        bvh: &Bvh,
+        points: &[SurfacePoint],
+        budget: Budget,
+        control: Control<'_>,
+    ) -> Ended {
         let meter = Meter::new(control, budget.seconds);
-        let ended = self.rounds_until(&Work { plan, bvh, points, budget, meter: &meter });
+        self.failure = None;
+        let ended = self.rounds_until(&Work { plan, bvh, device, points, budget, meter: &meter });
         meter.finish();
-        ended
+        if self.failure.is_some() { Ended::Failed } else { ended }
     }
 
     fn rounds_until(&mut self, work: &Work<'_>) -> Ended {
@@ -73,7 +93,7 @@ impl Hybrid {
             self.weigher.weigh(level, constants, &self.pixels, &self.tallies, &self.rays, known);
         }
         loop {
-            if control.is_cancelled() {
+            if control.is_cancelled() || self.failure.is_some() {
                 return Ended::Cancelled;
             }
             if work.budget.error.is_some_and(|goal| self.started && self.expected_rmse() <= f64::from(goal)) {
@@ -163,33 +183,30 @@ impl Hybrid {
         let start = Instant::now();
         let done_before = std::mem::take(&mut self.unfinished);
         let (before, all) = (self.rays_of_rounds(), self.foreseen * self.covered as f64);
-        let (traced, control) = (AtomicU64::new(0), work.meter.control);
-        let mut found = vec![Tally::default(); orders.len()];
-        let chunks = orders.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK));
-        chunks.for_each(|(orders, found)| {
-            let stop = control.is_cancelled() || (until < f64::INFINITY && work.meter.elapsed() > until);
-            let mut new = 0;
-            for (order, found) in orders.iter().zip(found) {
-                let at = order.at as usize;
-                match done_before.get(at) {
-                    Some(done) if done.units == order.units => *found = *done,
-                    _ if stop => {}
-                    _ => {
-                        let (point, had) = (self.pixels.point[at] as usize, self.tallies[at].units);
-                        let units = had..had + order.units;
-                        *found = bundles::trace(work.plan, work.bvh, &work.points[point], units, 0);
-                        new += u64::from(order.units * UNIT);
-                    }
-                }
-            }
+        let traced = AtomicU64::new(0);
+        let told = |units: u64| {
+            let new = units * u64::from(UNIT);
             let traced = new + traced.fetch_add(new, Ordering::Relaxed);
             work.meter.at((before + traced) as f64 / all);
-        });
+        };
+        let done = |order: &Order| {
+            let done = done_before.get(order.at as usize)?;
+            (done.units == order.units).then_some(*done)
+        };
+        let left: Vec<Order> = orders.iter().filter(|order| done(order).is_none()).copied().collect();
+        let new = match work.device {
+            None => self.trace_here(work, &left, until, told),
+            Some(device) => self.trace_on(device, work, &left, until, told),
+        };
+        let mut new = new.into_iter();
+        let found: Vec<Tally> =
+            orders.iter().map(|order| done(order).or_else(|| new.next()).unwrap_or_default()).collect();
+        let (control, failed) = (work.meter.control, self.failure.is_some());
         let traced = traced.into_inner();
         if traced > 0 {
             self.costs.ray_seconds = Some(start.elapsed().as_secs_f64() / traced as f64);
         }
-        let whole = !control.is_cancelled() || found.iter().all(|found| found.units > 0);
+        let whole = !(control.is_cancelled() || failed) || found.iter().all(|found| found.units > 0);
         if whole {
             self.units += found.iter().map(|found| u64::from(found.units)).sum::<u64>();
         } else {
@@ -204,5 +221,31 @@ impl Hybrid {
             }
         });
         whole
+    }
+
+    /// Carries out orders on the CPU: the tallies, empty past where it was stopped.
+    fn trace_here(
+        &self,
+        work: &Work<'_>,
+        orders: &[Order],
+        until: f64,
+        told: impl Fn(u64) + Sync,
+    ) -> Vec<Tally> {
+        let mut found = vec![Tally::default(); orders.len()];
+        let chunks = orders.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK));
+        chunks.for_each(|(orders, found)| {
+            let late = until < f64::INFINITY && work.meter.elapsed() > until;
+            if late || work.meter.control.is_cancelled() {
+                return told(0);
+            }
+            for (order, found) in orders.iter().zip(&mut *found) {
+                let at = order.at as usize;
+                let (point, had) = (self.pixels.point[at] as usize, self.tallies[at].units);
+                let units = had..had + order.units;
+                *found = bundles::trace(work.plan, work.bvh, &work.points[point], units, 0);
+            }
+            told(found.iter().map(|found| u64::from(found.units)).sum());
+        });
+        found
     }
 }

@@ -1,10 +1,11 @@
 //! The first rays: a lattice of points, some traced twice to find out how rays err here.
 
 use super::{
-    Hybrid, Order, Rays, bundles,
+    Hybrid, Order, Rays,
+    bundles::{self, Again},
     refine::Work,
     spread,
-    tallies::{FULL, UNIT, worth},
+    tallies::{FULL, Tally, UNIT, worth},
 };
 use conray_core::hash_u32;
 use rayon::prelude::*;
@@ -61,7 +62,15 @@ impl Hybrid {
             self.pixels.covered().filter(is_in).map(|at| Order { at, units: first }).collect();
         self.rays = unknown(first);
         if self.trace(work, &lattice, f64::INFINITY) {
-            self.rays = self.pilot(work, &lattice);
+            let rays = self.pilot(work, &lattice);
+            if self.failure.is_some() {
+                // The lattice waits for the pilot.
+                let none = vec![Tally::default(); self.pixels.len()];
+                self.unfinished = std::mem::replace(&mut self.tallies, none);
+                self.units = 0;
+                return;
+            }
+            self.rays = rays;
             self.started = true;
         }
     }
@@ -73,11 +82,18 @@ impl Hybrid {
         let first = self.rays.first;
         let pairs = PAIRS.min(lattice.len() * first as usize / PAIR_OF);
         let every = lattice.len() / pairs.max(1);
-        let pair = |k: usize| {
-            let at = lattice[pick(k, every)].at as usize;
-            let tally = &self.tallies[at];
-            let point = &work.points[self.pixels.point[at] as usize];
-            let again = bundles::again(work.plan, work.bvh, point, SALT);
+        let places: Vec<usize> = (0..pairs).map(|k| lattice[pick(k, every)].at as usize).collect();
+        let points: Vec<u32> = places.iter().map(|&at| self.pixels.point[at]).collect();
+        let again: Vec<Again> = match work.device {
+            Some(device) => self.again_on(device, work, &points, SALT),
+            None => {
+                let one =
+                    |&point: &u32| bundles::again(work.plan, work.bvh, &work.points[point as usize], SALT);
+                points.par_iter().map(one).collect()
+            }
+        };
+        let pair = |(at, again): (&usize, &Again)| {
+            let tally = &self.tallies[*at];
             let (off, formal) = if first == FULL {
                 (again.mean - tally.mean(), again.in_full + tally.in_fulls)
             } else {
@@ -85,7 +101,7 @@ impl Hybrid {
             };
             [off * off, formal, again.in_units, again.in_full].map(f64::from)
         };
-        let found: Vec<[f64; 4]> = (0..pairs).into_par_iter().map(pair).collect();
+        let found: Vec<[f64; 4]> = places.iter().zip(&again).map(pair).collect();
         let [mut squares, mut formal, mut in_units, mut in_fulls] = [0.0; 4];
         for [square, variance, in_unit, in_full] in found {
             squares += square;
@@ -93,7 +109,7 @@ impl Hybrid {
             in_units += in_unit;
             in_fulls += in_full;
         }
-        self.pilot_rays += pairs as u64 * u64::from(FULL * UNIT);
+        self.pilot_rays += again.len() as u64 * u64::from(FULL * UNIT);
         let prior = PRIOR_PAIRS * formal / pairs.max(1) as f64;
         let found = if formal > 0.0 { (squares + STRATIFIED * prior) / (formal + prior) } else { STRATIFIED };
         let full_to_unit =
