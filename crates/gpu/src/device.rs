@@ -1,6 +1,6 @@
 //! Adapters and devices.
 
-use crate::GpuError;
+use crate::{GpuError, clock::Clock};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Least size of a buffer: that of the largest struct that a shader binds.
@@ -66,6 +66,8 @@ pub struct Gpu {
     facts: AdapterFacts,
     /// The first thing that went wrong outside of what is asked about.
     failure: Arc<Mutex<Option<String>>>,
+    /// Where it was asked for and the adapter has one.
+    pub(crate) clock: Option<Clock>,
 }
 
 impl Gpu {
@@ -74,10 +76,15 @@ impl Gpu {
     /// # Errors
     /// There is none, or it gives no device.
     pub fn open(name: Option<&str>) -> Result<Self, GpuError> {
-        let wanted = name.map(str::to_lowercase);
-        Self::open_where(name, |facts| {
-            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
-        })
+        Self::open_named(name, false)
+    }
+
+    /// The same with a clock, where the adapter has one: each run of a kernel is timed and waited for (see [`Gpu::kernel_times`]).
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn open_timed(name: Option<&str>) -> Result<Self, GpuError> {
+        Self::open_named(name, true)
     }
 
     /// Opens the first adapter that is no program on the CPU.
@@ -85,10 +92,22 @@ impl Gpu {
     /// # Errors
     /// There is none, or it gives no device.
     pub fn open_real() -> Result<Self, GpuError> {
-        Self::open_where(None, |facts| !facts.is_software)
+        Self::open_where(None, |facts| !facts.is_software, false)
     }
 
-    fn open_where(name: Option<&str>, fits: impl Fn(&AdapterFacts) -> bool) -> Result<Self, GpuError> {
+    fn open_named(name: Option<&str>, timed: bool) -> Result<Self, GpuError> {
+        let wanted = name.map(str::to_lowercase);
+        let fits = |facts: &AdapterFacts| {
+            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
+        };
+        Self::open_where(name, fits, timed)
+    }
+
+    fn open_where(
+        name: Option<&str>,
+        fits: impl Fn(&AdapterFacts) -> bool,
+        timed: bool,
+    ) -> Result<Self, GpuError> {
         let all = found();
         let told: Vec<String> = all.iter().map(|(_, facts)| facts.name.clone()).collect();
         let Some((adapter, facts)) = all.into_iter().find(|(_, facts)| fits(facts)) else {
@@ -103,8 +122,11 @@ impl Gpu {
             max_storage_buffer_binding_size: most.max_storage_buffer_binding_size,
             ..limits
         };
+        let wanted = if timed { wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() };
+        let features = wanted & adapter.features();
         let request = wgpu::DeviceDescriptor {
             label: Some("conray"),
+            required_features: features,
             required_limits: limits,
             ..wgpu::DeviceDescriptor::default()
         };
@@ -114,7 +136,8 @@ impl Gpu {
         let (lost, uncaught) = (Arc::clone(&failure), Arc::clone(&failure));
         device.set_device_lost_callback(move |_, reason| note(&lost, reason));
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| note(&uncaught, e.to_string())));
-        Ok(Self { device, queue, facts, failure })
+        let clock = (!features.is_empty()).then(|| Clock::new(&device, &queue));
+        Ok(Self { device, queue, facts, failure, clock })
     }
 
     /// The adapter.

@@ -11,6 +11,7 @@ const ROW: u32 = 1 << 15;
 
 /// An entry point.
 pub(crate) struct Kernel {
+    name: &'static str,
     pipeline: wgpu::ComputePipeline,
     /// Of the second group of bindings: what changes from run to run.
     asked: wgpu::BindGroupLayout,
@@ -51,7 +52,7 @@ impl Kernel {
             cache: None,
         });
         gpu.check()?;
-        Ok(Self { pipeline, asked })
+        Ok(Self { name, pipeline, asked })
     }
 
     /// Runs so many workgroups and waits for them.
@@ -65,14 +66,25 @@ impl Kernel {
         let asked = bind(gpu, &self.asked, asked);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(self.name),
+                timestamp_writes: gpu.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
+                    query_set: &clock.stamps,
+                    beginning_of_pass_write_index: Some(0),
+                    end_of_pass_write_index: Some(1),
+                }),
+            });
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, scene, &[]);
             pass.set_bind_group(1, &asked, &[]);
             pass.dispatch_workgroups(groups.clamp(1, ROW), groups.div_ceil(ROW).max(1), 1);
         }
+        if let Some(clock) = &gpu.clock {
+            encoder.resolve_query_set(&clock.stamps, 0..2, &clock.resolved, 0);
+        }
         gpu.queue.submit([encoder.finish()]);
-        gpu.wait()
+        gpu.wait()?;
+        gpu.clock.as_ref().map_or(Ok(()), |clock| clock.note(gpu, self.name))
     }
 }
 

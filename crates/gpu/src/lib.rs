@@ -12,6 +12,7 @@
 
 mod backend;
 mod bundles;
+mod clock;
 mod cone_rays;
 mod cones;
 mod device;
@@ -25,6 +26,7 @@ mod scene;
 mod shader;
 
 pub use backend::GpuBackend;
+pub use clock::KernelTime;
 pub use device::{AdapterFacts, Gpu, adapters};
 pub use error::GpuError;
 pub use layouts::{StructLayout, layouts};
