@@ -137,7 +137,7 @@ pub(crate) struct RunArgs {
     /// Threads to work on; 0 is one per core. Results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
-    /// Where estimates are made: on a graphics processor, which has methods rays, cones and paper, or on the CPU; auto takes a graphics processor where there is one and it has the
+    /// Where estimates are made: on a graphics processor or on the CPU; auto takes a graphics processor where there is one and it has all of the
     /// method
     #[arg(long, value_enum, default_value = "auto")]
     device: DeviceArg,

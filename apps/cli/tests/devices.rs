@@ -33,13 +33,13 @@ fn what_no_device_has_is_refused_and_auto_takes_the_cpu() {
     let output = render(&["--device", "cpu"]);
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     assert!(!out(&output).contains(", on "), "{}", out(&output));
-    let output = render(&["--device", "auto"]);
-    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
-    assert!(
-        !out(&output).contains("llvmpipe"),
-        "a program on the CPU is not taken by itself: {}",
-        out(&output)
-    );
+    for words in [&["--device", "auto"][..], &["--device", "auto", "--method", "rays"]] {
+        let output = render(words);
+        assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+        let told = out(&output);
+        assert!(!told.contains("llvmpipe"), "a program on the CPU is not taken by itself: {told}");
+        assert!(words.len() > 2 || !told.contains(", on "), "hybrid stays on the CPU: {told}");
+    }
 }
 
 #[test]
