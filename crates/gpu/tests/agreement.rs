@@ -242,16 +242,17 @@ fn parts_of_a_sequence_and_odd_points_gpu() {
     let control = Control { cancelled: &stopped, progress: &|_| {} };
     device.estimate(&plan, 0..64, &points, &mut found, control).unwrap();
     assert!(found.iter().all(Estimate::is_pending));
-    // One is built for no device; the other needs an octree, which this one was not given.
-    let why = [
-        "method hybrid runs on the CPU alone",
-        "nothing was uploaded for method cones: build a session with it",
-    ];
-    for (method, why) in [Method::Hybrid, Method::Cones].into_iter().zip(why) {
-        let plan = AoPlan::new(&AoSettings { method, ..settings(1) }, geometry.bounds()).unwrap();
-        let refused = device.estimate(&plan, 0..1, &points, &mut found, Control::none()).unwrap_err();
-        assert_eq!(refused.to_string(), why);
-    }
+    // Point by point, without neighbours to share with, hybrid is rays.
+    let settings_of = |method| AoSettings { method, ..settings(64) };
+    let [hybrid, cones] = [Method::Hybrid, Method::Cones]
+        .map(|method| AoPlan::new(&settings_of(method), geometry.bounds()).unwrap());
+    let mut by_rays = found.clone();
+    device.estimate(&hybrid, 0..64, &points, &mut found, Control::none()).unwrap();
+    device.estimate(&plan, 0..64, &points, &mut by_rays, Control::none()).unwrap();
+    assert_eq!(found, by_rays);
+    // It needs an octree, which this device was not given.
+    let refused = device.estimate(&cones, 0..1, &points, &mut found, Control::none()).unwrap_err();
+    assert_eq!(refused.to_string(), "nothing was uploaded for method cones: build a session with it");
 }
 
 #[test]
