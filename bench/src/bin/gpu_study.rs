@@ -54,6 +54,8 @@ struct Run {
     seconds: f64,
     kernels: Vec<KernelTime>,
     estimates: Vec<Estimate>,
+    /// Traced, also those that are in no estimate.
+    rays: u64,
 }
 
 impl Run {
@@ -123,12 +125,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         for _ in 0..args.repeats.max(1) {
             device.gpu().kernel_times();
             let start = Instant::now();
-            let estimates = match method {
-                Method::Hybrid => refined(&device, &bvh, &plan, args.error, args.size, points),
-                _ => estimated(&device, &plan, plan.samples(), points)?,
+            let (estimates, rays) = match method {
+                Method::Hybrid => refined(&device, &bvh, &plan, args.error, args.size, points)?,
+                _ => {
+                    let found = estimated(&device, &plan, plan.samples(), points)?;
+                    let rays = found.iter().map(|e| u64::from(e.rays)).sum();
+                    (found, rays)
+                }
             };
             let seconds = start.elapsed().as_secs_f64();
-            runs.push(Run { seconds, kernels: device.gpu().kernel_times(), estimates });
+            runs.push(Run { seconds, kernels: device.gpu().kernel_times(), estimates, rays });
         }
         runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         tell(method, &runs[runs.len() / 2], &truth);
@@ -154,15 +160,18 @@ fn refined(
     error: f32,
     size: [u32; 2],
     points: &[SurfacePoint],
-) -> Vec<Estimate> {
+) -> Result<(Vec<Estimate>, u64), Box<dyn Error>> {
     let mut hybrid = Hybrid::of_image(plan, points, 0, size);
     let budget = Budget { error: Some(error), ..Budget::rays(1 << 16) };
     hybrid.refine_on(device.bundles(), plan, bvh, points, budget, Control::none());
-    hybrid.estimates()
+    match hybrid.failure() {
+        Some(failure) => Err(failure.to_string().into()),
+        None => Ok((hybrid.estimates(), hybrid.rays())),
+    }
 }
 
 fn tell(method: Method, run: &Run, truth: &[Estimate]) {
-    let rays = run.estimates.iter().map(|e| f64::from(e.rays)).sum::<f64>() / 1e6;
+    let rays = run.rays as f64 / 1e6;
     let squares =
         run.estimates.iter().zip(truth).map(|(a, b)| f64::from(a.visibility - b.visibility).powi(2));
     let rmse = (squares.sum::<f64>() / truth.len().max(1) as f64).sqrt();

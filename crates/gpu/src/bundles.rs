@@ -12,8 +12,6 @@ use conray_estimate::{AoPlan, Batch, BatchFound, UnitFound};
 
 /// Rays of a unit.
 const UNIT: u32 = 16;
-/// Batches that are traced together, short enough that no driver takes the device for stuck.
-const BATCHES_AT_ONCE: usize = 1 << 17;
 
 /// What all rays share.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -62,22 +60,6 @@ impl BundleRays {
 
     /// What each batch found, in order.
     pub(crate) fn trace(
-        &self,
-        gpu: &Gpu,
-        rays: &Rays,
-        plan: &AoPlan,
-        points: &[SurfacePoint],
-        batches: &[Batch],
-        salt: u32,
-    ) -> Result<Vec<BatchFound>, GpuError> {
-        let mut found = Vec::with_capacity(batches.len());
-        for batches in batches.chunks(BATCHES_AT_ONCE) {
-            found.extend(self.part(gpu, rays, plan, points, batches, salt)?);
-        }
-        Ok(found)
-    }
-
-    fn part(
         &self,
         gpu: &Gpu,
         rays: &Rays,

@@ -4,6 +4,7 @@ use super::{
     Hybrid, Order,
     bundles::Again,
     refine::Work,
+    start::SALT,
     tallies::{FULL, Tally},
 };
 use crate::{AoPlan, BackendError};
@@ -55,7 +56,7 @@ pub struct BatchFound {
 
 /// Traces batches of rays: a device's part of method `hybrid`.
 pub trait Bundles: Send + Sync {
-    /// What each batch found, in order. `salt` chooses another sequence of each point: its seed is the hash of
+    /// What each batch found, in order. About 131 072 units are asked for at once at most: short enough that no driver takes the device for stuck. `salt` chooses another sequence of each point: its seed is the hash of
     /// its `id` and of the hash of the plan's seed and the salt, each pair by exclusive or ([`conray_core::hash_u32`]).
     ///
     /// # Errors
@@ -148,16 +149,10 @@ impl Hybrid {
     }
 
     /// Full bundles of another sequence at some of the points; none where the device fails.
-    pub(super) fn again_on(
-        &mut self,
-        device: &dyn Bundles,
-        work: &Work<'_>,
-        points: &[u32],
-        salt: u32,
-    ) -> Vec<Again> {
+    pub(super) fn again_on(&mut self, device: &dyn Bundles, work: &Work<'_>, points: &[u32]) -> Vec<Again> {
         let batches: Vec<Batch> =
             points.iter().map(|&point| Batch { point, first: 0, count: FULL }).collect();
-        match device.trace(work.plan, work.points, &batches, salt) {
+        match device.trace(work.plan, work.points, &batches, SALT) {
             Ok(found) => found.iter().map(BatchFound::again).collect(),
             Err(e) => {
                 self.failure = Some(e);

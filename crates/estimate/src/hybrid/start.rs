@@ -85,7 +85,7 @@ impl Hybrid {
         let places: Vec<usize> = (0..pairs).map(|k| lattice[pick(k, every)].at as usize).collect();
         let points: Vec<u32> = places.iter().map(|&at| self.pixels.point[at]).collect();
         let again: Vec<Again> = match work.device {
-            Some(device) => self.again_on(device, work, &points, SALT),
+            Some(device) => self.again_on(device, work, &points),
             None => {
                 let one =
                     |&point: &u32| bundles::again(work.plan, work.bvh, &work.points[point as usize], SALT);
