@@ -163,7 +163,7 @@ fn refined(
 ) -> Result<(Vec<Estimate>, u64), Box<dyn Error>> {
     let mut hybrid = Hybrid::of_image(plan, points, 0, size);
     let budget = Budget { error: Some(error), ..Budget::rays(1 << 16) };
-    hybrid.refine_on(device.bundles(), plan, bvh, points, budget, Control::none());
+    hybrid.refine_on(device.hybrid_device(), plan, bvh, points, budget, Control::none());
     match hybrid.failure() {
         Some(failure) => Err(failure.to_string().into()),
         None => Ok((hybrid.estimates(), hybrid.rays())),

@@ -119,7 +119,7 @@ impl Session {
         budget: Budget,
         control: Control<'_>,
     ) -> Ended {
-        let device = self.backend.bundles();
+        let device = self.backend.hybrid_device();
         self.install(|| hybrid.refine_on(device, plan, &self.bvh, points, budget, control))
     }
 }

@@ -1,6 +1,6 @@
 //! The waist of conray: surface points in, estimates out.
 
-use crate::{AoPlan, Bundles};
+use crate::{AoPlan, HybridDevice};
 use conray_core::{Estimate, SurfacePoint};
 use std::{
     ops::Range,
@@ -82,8 +82,8 @@ pub trait Backend: Send + Sync {
         control: Control<'_>,
     ) -> Result<(), BackendError>;
 
-    /// Where bundles of method `hybrid` are traced, if it is not on the CPU.
-    fn bundles(&self) -> Option<&dyn Bundles> {
+    /// Where method `hybrid` has its rays traced and weighed, if that is not on the CPU.
+    fn hybrid_device(&self) -> Option<&dyn HybridDevice> {
         None
     }
 }

@@ -28,7 +28,10 @@ pub use cpu::CpuBackend;
 pub use distance::{AUTO_DISTANCE_SHARE, Distance};
 pub use epsilon::Epsilon;
 pub use explanation::{Choice, Explanation, Round};
-pub use hybrid::{Batch, BatchFound, Bundles, Hybrid, HybridConstants, StateError, UnitFound};
+pub use hybrid::{
+    Batch, BatchFound, Hybrid, HybridConstants, HybridDevice, Known, PlaceTally, PlaceWeigher, Places,
+    RayErrors, StateError, UnitFound,
+};
 pub use meter::{Meter, PROGRESS_UNITS};
 pub use methods::{BlendAnswers, ConeAnswers, RayTally};
 pub use plan::AoPlan;

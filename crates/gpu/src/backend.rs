@@ -8,15 +8,16 @@ use crate::{
     points::{AoUniform, GpuTally},
     rays::Rays,
     scene::GpuScene,
+    weighing::{WeighKernels, Weigher},
 };
 use conray_core::{Estimate, Geometry, SurfacePoint};
 use conray_estimate::{
-    AoPlan, Backend, BackendError, Batch, BatchFound, BlendAnswers, Bundles, ConeAnswers, Control, Method,
-    RayTally,
+    AoPlan, Backend, BackendError, Batch, BatchFound, BlendAnswers, ConeAnswers, Control, HybridConstants,
+    HybridDevice, Method, PlaceWeigher, Places, RayTally,
 };
 use conray_voxel::{ConeResult, Octree};
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 
 /// Points, or cones of points, whose rays are traced together: with as many rays each as a workgroup has threads short enough that no driver takes the device
 /// for stuck.
@@ -31,6 +32,8 @@ pub struct GpuBackend {
     cones: Option<Cones>,
     cone_rays: Option<ConeRays>,
     bundles: Option<BundleRays>,
+    /// Compiled at the first weighing.
+    weighing: OnceLock<Result<WeighKernels, GpuError>>,
 }
 
 impl GpuBackend {
@@ -46,7 +49,7 @@ impl GpuBackend {
             _ => None,
         };
         let bundles = rays.as_ref().map(|rays| BundleRays::new(&gpu, rays)).transpose()?;
-        Ok(Self { gpu, rays, cones, cone_rays, bundles })
+        Ok(Self { gpu, rays, cones, cone_rays, bundles, weighing: OnceLock::new() })
     }
 
     /// The device.
@@ -154,12 +157,12 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn bundles(&self) -> Option<&dyn Bundles> {
+    fn hybrid_device(&self) -> Option<&dyn HybridDevice> {
         self.bundles.is_some().then_some(self)
     }
 }
 
-impl Bundles for GpuBackend {
+impl HybridDevice for GpuBackend {
     fn trace(
         &self,
         plan: &AoPlan,
@@ -172,5 +175,16 @@ impl Bundles for GpuBackend {
         };
         let found = bundles.trace(&self.gpu, rays, plan, points, batches, salt);
         found.map_err(|e| BackendError::Device(e.to_string()))
+    }
+    fn weigher<'a>(
+        &'a self,
+        constants: &HybridConstants,
+        places: &Places<'_>,
+    ) -> Result<Option<Box<dyn PlaceWeigher + 'a>>, BackendError> {
+        let kernels = self.weighing.get_or_init(|| WeighKernels::new(&self.gpu));
+        let made = kernels.as_ref().map_err(Clone::clone);
+        let made = made.and_then(|kernels| Weigher::new(&self.gpu, kernels, constants, places));
+        let boxed = |weigher: Weigher<'a>| Box::new(weigher) as Box<dyn PlaceWeigher + 'a>;
+        made.map(|weigher| weigher.map(boxed)).map_err(|e| BackendError::Device(e.to_string()))
     }
 }

@@ -14,7 +14,7 @@ pub struct KernelTime {
     pub seconds: f64,
 }
 
-/// Two time stamps about each run.
+/// Two time stamps about each of some runs.
 pub(crate) struct Clock {
     pub(crate) stamps: wgpu::QuerySet,
     pub(crate) resolved: wgpu::Buffer,
@@ -24,15 +24,18 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
+    /// Runs between two answers at most.
+    pub(crate) const RUNS: usize = 32;
+
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let stamps = device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("time stamps"),
             ty: wgpu::QueryType::Timestamp,
-            count: 2,
+            count: 2 * Self::RUNS as u32,
         });
         let resolved = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("time stamps"),
-            size: 2 * size_of::<u64>() as u64,
+            size: (2 * Self::RUNS * size_of::<u64>()) as u64,
             usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
@@ -40,17 +43,19 @@ impl Clock {
         Self { stamps, resolved, seconds, times: Mutex::new(Vec::new()) }
     }
 
-    /// Adds the run that the stamps are about.
-    pub(crate) fn note(&self, gpu: &Gpu, kernel: &'static str) -> Result<(), GpuError> {
-        let stamps: Vec<u64> = gpu.read(&self.resolved, 2)?;
-        let seconds = stamps[1].saturating_sub(stamps[0]) as f64 * self.seconds;
+    /// Adds the runs that the stamps are about.
+    pub(crate) fn note(&self, gpu: &Gpu, kernels: &[&'static str]) -> Result<(), GpuError> {
+        let stamps: Vec<u64> = gpu.read(&self.resolved, 2 * kernels.len())?;
         let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        match times.iter_mut().find(|time| time.kernel == kernel) {
-            Some(time) => {
-                time.runs += 1;
-                time.seconds += seconds;
+        for (&kernel, stamps) in kernels.iter().zip(stamps.chunks(2)) {
+            let seconds = stamps[1].saturating_sub(stamps[0]) as f64 * self.seconds;
+            match times.iter_mut().find(|time| time.kernel == kernel) {
+                Some(time) => {
+                    time.runs += 1;
+                    time.seconds += seconds;
+                }
+                None => times.push(KernelTime { kernel, runs: 1, seconds }),
             }
-            None => times.push(KernelTime { kernel, runs: 1, seconds }),
         }
         Ok(())
     }

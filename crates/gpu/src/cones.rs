@@ -2,7 +2,7 @@
 
 use crate::{
     Gpu, GpuError,
-    kernel::{Bound, GROUP, Kernel, scene_bindings},
+    kernel::{Bound, GROUP, Kernel, shared_bindings},
     octree::GpuOctree,
     points::GpuPoint,
 };
@@ -22,7 +22,8 @@ impl Cones {
     pub(crate) fn new(gpu: &Gpu, octree: &Octree) -> Result<Self, GpuError> {
         let octree = GpuOctree::new(gpu, octree)?;
         let [levels, table, words] = &octree.buffers;
-        let (layout, bindings) = scene_bindings(gpu, "octree", &[levels, table, words]);
+        let (layout, bindings) =
+            shared_bindings(gpu, "octree", &[levels, table, words].map(|b| (Bound::Read, b)));
         let asked = [Bound::Uniform, Bound::Read, Bound::Read, Bound::Write];
         let kernel = Kernel::new(gpu, "cones", &layout, &asked)?;
         Ok(Self { octree, bindings, kernel })

@@ -1,6 +1,7 @@
 //! Adapters and devices.
 
 use crate::{GpuError, clock::Clock};
+use bytemuck::{NoUninit, cast_slice};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Least size of a buffer: that of the largest struct that a shader binds.
@@ -181,6 +182,20 @@ impl Gpu {
         self.queue.write_buffer(&buffer, 0, bytes);
         self.check()?;
         Ok(buffer)
+    }
+
+    /// A buffer for so many values that will be written later, all zero until then.
+    pub(crate) fn room<T>(&self, what: &'static str, count: usize) -> Result<wgpu::Buffer, GpuError> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.empty(what, (count * size_of::<T>()) as u64, usage)?;
+        self.check()?;
+        Ok(buffer)
+    }
+
+    /// Writes values in place of those at the beginning of a buffer.
+    pub(crate) fn write<T: NoUninit>(&self, buffer: &wgpu::Buffer, values: &[T]) -> Result<(), GpuError> {
+        self.queue.write_buffer(buffer, 0, cast_slice(values));
+        self.check()
     }
 
     /// A buffer for so many answers, all zero at first, to be read.

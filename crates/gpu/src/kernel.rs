@@ -1,6 +1,6 @@
-//! One entry point of the shaders: its pipeline, and a run of it.
+//! One entry point of the shaders: its pipeline, and runs of it, one after the other.
 
-use crate::{Gpu, GpuError, source};
+use crate::{Gpu, GpuError, clock::Clock, source};
 use bytemuck::AnyBitPattern;
 use std::sync::mpsc;
 
@@ -63,43 +63,81 @@ impl Kernel {
         asked: &[&wgpu::Buffer],
         groups: u32,
     ) -> Result<(), GpuError> {
-        let asked = bind(gpu, &self.asked, asked);
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(self.name),
-                timestamp_writes: gpu.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
-                    query_set: &clock.stamps,
-                    beginning_of_pass_write_index: Some(0),
-                    end_of_pass_write_index: Some(1),
-                }),
-            });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, scene, &[]);
-            pass.set_bind_group(1, &asked, &[]);
-            pass.dispatch_workgroups(groups.clamp(1, ROW), groups.div_ceil(ROW).max(1), 1);
-        }
-        if let Some(clock) = &gpu.clock {
-            encoder.resolve_query_set(&clock.stamps, 0..2, &clock.resolved, 0);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        gpu.wait()?;
-        gpu.clock.as_ref().map_or(Ok(()), |clock| clock.note(gpu, self.name))
+        let mut steps = Steps::new(gpu);
+        steps.add(self, scene, asked, groups)?;
+        steps.finish()
     }
 }
 
-/// Buffers that a scene is made of, for shaders to read.
-pub(crate) fn scene_bindings(
+/// Runs of kernels one after the other: each sees what those before it wrote.
+pub(crate) struct Steps<'a> {
+    gpu: &'a Gpu,
+    encoder: wgpu::CommandEncoder,
+    names: Vec<&'static str>,
+}
+
+impl<'a> Steps<'a> {
+    pub(crate) fn new(gpu: &'a Gpu) -> Self {
+        let encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        Self { gpu, encoder, names: Vec::new() }
+    }
+
+    /// So many workgroups of a kernel.
+    pub(crate) fn add(
+        &mut self,
+        kernel: &Kernel,
+        scene: &wgpu::BindGroup,
+        asked: &[&wgpu::Buffer],
+        groups: u32,
+    ) -> Result<(), GpuError> {
+        if self.names.len() == Clock::RUNS {
+            std::mem::replace(self, Self::new(self.gpu)).finish()?;
+        }
+        let asked = bind(self.gpu, &kernel.asked, asked);
+        let first = 2 * self.names.len() as u32;
+        let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(kernel.name),
+            timestamp_writes: self.gpu.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
+                query_set: &clock.stamps,
+                beginning_of_pass_write_index: Some(first),
+                end_of_pass_write_index: Some(first + 1),
+            }),
+        });
+        pass.set_pipeline(&kernel.pipeline);
+        pass.set_bind_group(0, scene, &[]);
+        pass.set_bind_group(1, &asked, &[]);
+        pass.dispatch_workgroups(groups.clamp(1, ROW), groups.div_ceil(ROW).max(1), 1);
+        self.names.push(kernel.name);
+        Ok(())
+    }
+
+    /// Waits for all of them.
+    pub(crate) fn finish(mut self) -> Result<(), GpuError> {
+        if let Some(clock) = &self.gpu.clock {
+            let stamps = 0..2 * self.names.len() as u32;
+            self.encoder.resolve_query_set(&clock.stamps, stamps, &clock.resolved, 0);
+        }
+        self.gpu.queue.submit([self.encoder.finish()]);
+        self.gpu.wait()?;
+        self.gpu.clock.as_ref().map_or(Ok(()), |clock| clock.note(self.gpu, &self.names))
+    }
+}
+
+/// Buffers that all runs share, those of a scene say, and how each is bound.
+pub(crate) fn shared_bindings(
     gpu: &Gpu,
     label: &'static str,
-    buffers: &[&wgpu::Buffer],
+    buffers: &[(Bound, &wgpu::Buffer)],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
-    let layout = layout(gpu, label, &vec![Bound::Read; buffers.len()]);
-    let bindings = bind(gpu, &layout, buffers);
+    let bound: Vec<Bound> = buffers.iter().map(|(bound, _)| *bound).collect();
+    let buffers: Vec<&wgpu::Buffer> = buffers.iter().map(|(_, buffer)| *buffer).collect();
+    let layout = layout(gpu, label, &bound);
+    let bindings = bind(gpu, &layout, &buffers);
     (layout, bindings)
 }
 
-fn layout(gpu: &Gpu, label: &'static str, bound: &[Bound]) -> wgpu::BindGroupLayout {
+/// How buffers of a group are bound.
+pub(crate) fn layout(gpu: &Gpu, label: &'static str, bound: &[Bound]) -> wgpu::BindGroupLayout {
     let entry = |(binding, bound): (u32, &Bound)| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
@@ -118,7 +156,7 @@ fn layout(gpu: &Gpu, label: &'static str, bound: &[Bound]) -> wgpu::BindGroupLay
     gpu.device.create_bind_group_layout(&descriptor)
 }
 
-fn bind(gpu: &Gpu, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+pub(crate) fn bind(gpu: &Gpu, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
     let mut entries = Vec::new();
     for (binding, buffer) in (0..).zip(buffers) {
         entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });

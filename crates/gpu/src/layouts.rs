@@ -6,6 +6,9 @@ use crate::{
     octree::MarchUniform,
     points::{AoUniform, GpuPoint, GpuTally},
     scene::{GpuMaterial, GpuPlacement, GpuTriangle},
+    weighing::{
+        Counts, GpuCell, GpuPlace, GpuPlaceTally, GpuSums, LayerUniform, WeighingState, WeighingUniform,
+    },
 };
 use conray_voxel::PackedLevel;
 use obvhs::cwbvh::node::CwBvhNode;
@@ -131,6 +134,39 @@ pub fn layouts() -> Vec<StructLayout> {
             pad_c
         ),
         layout!("cones.wgsl", "Point", GpuPoint, origin, id, geometric_normal, pad_a, shading_normal, pad_b),
+        layout!(
+            "weigh.wgsl",
+            "Weighing",
+            WeighingUniform,
+            width,
+            height,
+            stride,
+            points,
+            unit,
+            full,
+            enough,
+            distance,
+            cells,
+            plane,
+            cosine,
+            slope,
+            bend,
+            prior_samples,
+            beyond_chance,
+            least_noise,
+            doubt_units,
+            pad_a,
+            pad_b,
+            pad_c
+        ),
+        layout!("weigh.wgsl", "Place", GpuPlace, position, sharpness, normal, pad),
+        layout!("weigh.wgsl", "Tally", GpuPlaceTally, units, sum, in_units, in_fulls),
+        layout!("weigh.wgsl", "Cell", GpuCell, position, worth, normal, value),
+        layout!("weigh_guess.wgsl", "Layer", LayerUniform, size, again, pad_a, pad_b),
+        layout!("weigh.wgsl", "State", WeighingState, unit, sizes, unit_variance, pad, factors),
+        layout!("weigh_guess.wgsl", "LiveCounts", Counts, sizes, lacking),
+        layout!("weigh_sums.wgsl", "Counts", Counts, sizes, lacking),
+        layout!("weigh.wgsl", "Sums", GpuSums, samples, unit_variance, variance, pad, guesses),
         layout!("rays.wgsl", "Tally", GpuTally, open, rays, sum, squares, pad_a, pad_b),
     ]
 }

@@ -4,11 +4,12 @@
 //! adapters() / Gpu::open -> Gpu            device.rs: device, queue, limits, what went wrong
 //! Geometry -> GpuScene                     scene/: triangles under compressed wide nodes, opacities
 //! Octree -> octree.rs                      bricks of opacities and where they are
-//! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, bundles.rs, cones.rs; kernel.rs: one entry point and a run of it
+//! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, bundles.rs, cones.rs; kernel.rs: one entry point and runs of it
+//! places, tallies -> what is known         weighing/: what rays of neighbours tell, for method `hybrid`
 //! ```
 //!
-//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Of method `hybrid` the rays are traced here and the
-//! weighing is the CPU's. Samples and steps are those of the CPU, so results differ by rounding alone.
+//! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Of method `hybrid` the rays are traced and weighed here, and
+//! the CPU chooses who gets the next ones. Samples and steps are those of the CPU, so results differ by rounding alone.
 
 mod backend;
 mod bundles;
@@ -24,6 +25,7 @@ mod points;
 mod rays;
 mod scene;
 mod shader;
+mod weighing;
 
 pub use backend::GpuBackend;
 pub use clock::KernelTime;

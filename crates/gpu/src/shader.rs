@@ -1,22 +1,54 @@
 //! The shaders, with what they include put in its place.
 
-/// Entry points, by the names of their files.
-pub const SHADERS: [&str; 4] = ["rays.wgsl", "cones.wgsl", "cone_rays.wgsl", "bundles.wgsl"];
+macro_rules! files {
+    ($($file:literal),+ $(,)?) => {
+        &[$(($file, include_str!(concat!("../shaders/", $file)))),+]
+    };
+}
 
-const FILES: [(&str, &str); 13] = [
-    ("rays.wgsl", include_str!("../shaders/rays.wgsl")),
-    ("cones.wgsl", include_str!("../shaders/cones.wgsl")),
-    ("cone_rays.wgsl", include_str!("../shaders/cone_rays.wgsl")),
-    ("bundles.wgsl", include_str!("../shaders/bundles.wgsl")),
-    ("shared/point.wgsl", include_str!("../shaders/shared/point.wgsl")),
-    ("shared/seen.wgsl", include_str!("../shaders/shared/seen.wgsl")),
-    ("shared/octree.wgsl", include_str!("../shaders/shared/octree.wgsl")),
-    ("shared/sobol.wgsl", include_str!("../shaders/shared/sobol.wgsl")),
-    ("shared/hemisphere.wgsl", include_str!("../shaders/shared/hemisphere.wgsl")),
-    ("shared/scene.wgsl", include_str!("../shaders/shared/scene.wgsl")),
-    ("shared/opacity.wgsl", include_str!("../shaders/shared/opacity.wgsl")),
-    ("shared/trace.wgsl", include_str!("../shaders/shared/trace.wgsl")),
-    ("shared/points.wgsl", include_str!("../shaders/shared/points.wgsl")),
+/// Entry points, by the names of their files.
+pub const SHADERS: [&str; 11] = [
+    "rays.wgsl",
+    "cones.wgsl",
+    "cone_rays.wgsl",
+    "bundles.wgsl",
+    "weigh_units.wgsl",
+    "weigh_begin.wgsl",
+    "weigh_cells.wgsl",
+    "weigh_guess.wgsl",
+    "weigh_sums.wgsl",
+    "weigh_everywhere.wgsl",
+    "weigh.wgsl",
+];
+
+const FILES: &[(&str, &str)] = files![
+    "rays.wgsl",
+    "cones.wgsl",
+    "cone_rays.wgsl",
+    "bundles.wgsl",
+    "weigh_units.wgsl",
+    "weigh_begin.wgsl",
+    "weigh_cells.wgsl",
+    "weigh_guess.wgsl",
+    "weigh_sums.wgsl",
+    "weigh_everywhere.wgsl",
+    "weigh.wgsl",
+    "shared/point.wgsl",
+    "shared/seen.wgsl",
+    "shared/octree.wgsl",
+    "shared/sobol.wgsl",
+    "shared/hemisphere.wgsl",
+    "shared/scene.wgsl",
+    "shared/opacity.wgsl",
+    "shared/trace.wgsl",
+    "shared/points.wgsl",
+    "shared/weighing.wgsl",
+    "shared/cells.wgsl",
+    "shared/likeness.wgsl",
+    "shared/marks.wgsl",
+    "shared/layer.wgsl",
+    "shared/state.wgsl",
+    "shared/sums.wgsl",
 ];
 
 /// The text of a shader: each line `//#include FILE` stands for that file, at its first mention.

@@ -38,7 +38,7 @@ impl Bench {
     }
 
     fn refine(&self, hybrid: &mut Hybrid, on_device: bool, rays: u32, control: Control<'_>) -> Ended {
-        let device = if on_device { self.device.bundles() } else { None };
+        let device = if on_device { self.device.hybrid_device() } else { None };
         hybrid.refine_on(device, &self.plan, &self.bvh, &self.points, Budget::rays(rays), control)
     }
 }

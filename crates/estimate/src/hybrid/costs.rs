@@ -1,7 +1,7 @@
 //! What rays and weighing cost here, in wall-clock seconds with all threads at work.
 
 use super::{
-    Batch, Bundles, Hybrid, bundles,
+    Batch, Hybrid, HybridDevice, bundles,
     refine::Work,
     start::SALT,
     tallies::{FULL, UNIT},
@@ -47,7 +47,7 @@ impl Hybrid {
         let places: Vec<u32> = self.pixels.covered().collect();
         let pick = |k: usize| self.pixels.point[places[k * places.len() / wanted] as usize];
         let picked: Vec<u32> = (0..wanted).map(pick).collect();
-        let on_device = |device: &dyn Bundles, units: u32| {
+        let on_device = |device: &dyn HybridDevice, units: u32| {
             let batch = |&point: &u32| Batch { point, first: 0, count: units };
             let batches: Vec<Batch> = picked.iter().map(batch).collect();
             device.trace(work.plan, work.points, &batches, SALT).err()
@@ -69,7 +69,7 @@ impl Hybrid {
         // The first time warms caches up.
         time(1);
         self.costs.piloted = Some([time(1), time(FULL)]);
-        self.failure = failure;
+        self.failure = self.failure.take().or(failure);
         self.pilot_rays += wanted as u64 * u64::from((1 + 1 + FULL) * UNIT);
     }
 

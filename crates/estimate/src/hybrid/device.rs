@@ -1,7 +1,7 @@
-//! Bundles of rays traced on a device, many points at a time; all else of the method stays where it is.
+//! What of the method is done on a device: bundles of rays, many points at a time, and weighing (weighing.rs). Choosing stays where it is.
 
 use super::{
-    Hybrid, Order,
+    Hybrid, HybridConstants, Order, PlaceWeigher, Places,
     bundles::Again,
     refine::Work,
     start::SALT,
@@ -54,10 +54,11 @@ pub struct BatchFound {
     pub variance: f32,
 }
 
-/// Traces batches of rays: a device's part of method `hybrid`.
-pub trait Bundles: Send + Sync {
-    /// What each batch found, in order. About 131 072 units are asked for at once at most: short enough that no driver takes the device for stuck. `salt` chooses another sequence of each point: its seed is the hash of
-    /// its `id` and of the hash of the plan's seed and the salt, each pair by exclusive or ([`conray_core::hash_u32`]).
+/// A device's part of method `hybrid`.
+pub trait HybridDevice: Send + Sync {
+    /// What the rays of each batch found, in order. About 131 072 units are asked for at once at most: short enough that no driver takes the device
+    /// for stuck. `salt` chooses another sequence of each point: its seed is the hash of its `id` and of the hash of the plan's seed and the
+    /// salt, each pair by exclusive or ([`conray_core::hash_u32`]).
     ///
     /// # Errors
     /// [`BackendError::Device`] of a device that fails.
@@ -68,6 +69,17 @@ pub trait Bundles: Send + Sync {
         batches: &[Batch],
         salt: u32,
     ) -> Result<Vec<BatchFound>, BackendError>;
+
+    /// Takes in what is known of places without a ray, to weigh there what rays will find. `None` where weighing is left to the CPU, as where
+    /// the places do not fit.
+    ///
+    /// # Errors
+    /// [`BackendError::Device`] of a device that fails.
+    fn weigher<'a>(
+        &'a self,
+        constants: &HybridConstants,
+        places: &Places<'_>,
+    ) -> Result<Option<Box<dyn PlaceWeigher + 'a>>, BackendError>;
 }
 
 /// The aligned batches that some units of a point's sequence are.
@@ -110,7 +122,7 @@ impl Hybrid {
     /// Carries out orders on a device, in parts: the tallies, empty past where it was stopped or failed.
     pub(super) fn trace_on(
         &mut self,
-        device: &dyn Bundles,
+        device: &dyn HybridDevice,
         work: &Work<'_>,
         orders: &[Order],
         until: f64,
@@ -149,7 +161,12 @@ impl Hybrid {
     }
 
     /// Full bundles of another sequence at some of the points; none where the device fails.
-    pub(super) fn again_on(&mut self, device: &dyn Bundles, work: &Work<'_>, points: &[u32]) -> Vec<Again> {
+    pub(super) fn again_on(
+        &mut self,
+        device: &dyn HybridDevice,
+        work: &Work<'_>,
+        points: &[u32],
+    ) -> Vec<Again> {
         let batches: Vec<Batch> =
             points.iter().map(|&point| Batch { point, first: 0, count: FULL }).collect();
         match device.trace(work.plan, work.points, &batches, SALT) {

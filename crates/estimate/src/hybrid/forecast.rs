@@ -78,7 +78,7 @@ impl Hybrid {
         let now = self.rays_per_point();
         let outlook = Outlook {
             error2: self.expected_rmse().powi(2),
-            unit: self.weigher.mean_unit(),
+            unit: self.known.unit,
             first: self.rays.first,
             now,
             even: rays_in(left),

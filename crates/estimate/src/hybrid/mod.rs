@@ -12,7 +12,7 @@
 //!    +---- choose.rs: more bundles where they lower the error most <--+
 //! ```
 //!
-//! device.rs traces the bundles on a device instead, many points at a time.
+//! device.rs traces the bundles on a device instead, many points at a time, and weighing.rs weighs there.
 //!
 //! refine.rs goes round until a budget is spent: forecast.rs foresees rays and errors, costs.rs knows what time they take, evenly.rs
 //! leaves the weighing out where it does not pay, state.rs keeps the work for later.
@@ -43,23 +43,26 @@ mod state;
 mod tallies;
 mod told;
 mod weigh;
+mod weighing;
 mod window;
 
 pub use constants::HybridConstants;
-pub use device::{Batch, BatchFound, Bundles, UnitFound};
+pub use device::{Batch, BatchFound, HybridDevice, UnitFound};
 pub use state::StateError;
+pub use tallies::{Rays as RayErrors, Tally as PlaceTally};
+pub use weigh::Known;
+pub use weighing::{PlaceWeigher, Places};
 
 use crate::{AoPlan, BackendError, Choice, Explanation, Round};
 use choose::Order;
 use columns::PART;
-use conray_bvh::Level;
 use conray_core::{Estimate, SurfacePoint};
 use costs::Costs;
 use pixels::{NO_POINT, Pixels};
 use rayon::prelude::*;
-use std::{borrow::Cow, time::Instant};
+use std::borrow::Cow;
 use tallies::{Rays, Tally, UNIT};
-use weigh::{Known, Weigher};
+use weigh::Weigher;
 
 /// A target under work by method `hybrid`: refined as often as one likes, the same points handed in each time.
 #[derive(Clone, Debug)]
@@ -80,6 +83,8 @@ pub struct Hybrid {
     /// Rays traced to find out how rays err and what they cost, or left behind; they are in no tally.
     pilot_rays: u64,
     known: Known,
+    /// True where a device weighed it.
+    known_on_device: bool,
     weigher: Weigher,
     rounds: Vec<Round>,
     /// How many rounds there were when work began anew with full bundles, if it did.
@@ -115,6 +120,7 @@ impl Hybrid {
             started: false,
             pilot_rays: 0,
             known: Known::default(),
+            known_on_device: false,
             weigher: Weigher::default(),
             rounds: Vec::new(),
             begun_anew: None,
@@ -172,14 +178,6 @@ impl Hybrid {
             foreseen_rmse: self.foreseen_rmse,
             rounds: self.rounds.clone(),
         }
-    }
-
-    /// Weighs all that is shown.
-    fn weigh(&mut self, level: Level) {
-        let start = Instant::now();
-        let shown = shown(&self.tallies, &self.unfinished);
-        self.weigher.weigh(level, &self.constants, &self.pixels, &shown, &self.rays, &mut self.known);
-        self.costs.weighing_seconds = Some(start.elapsed().as_secs_f64());
     }
 
     /// The estimates so far, one a point: pending before the first rays, and of infinite error where a point is not valid.

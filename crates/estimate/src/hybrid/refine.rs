@@ -1,6 +1,11 @@
 //! Rounds of rays until a budget is spent.
 
-use super::{Bundles, Hybrid, Order, UNIT, bundles, choose, columns::PART, tallies::Tally};
+use super::{
+    Hybrid, HybridDevice, Order, UNIT, bundles, choose,
+    columns::PART,
+    tallies::Tally,
+    weighing::{OnDevice, Weighed},
+};
 use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
@@ -23,7 +28,9 @@ pub(super) struct Work<'a> {
     pub(super) plan: &'a AoPlan,
     pub(super) bvh: &'a Bvh,
     /// Where bundles are traced; on the CPU where it is none.
-    pub(super) device: Option<&'a dyn Bundles>,
+    pub(super) device: Option<&'a dyn HybridDevice>,
+    /// Where they are weighed.
+    pub(super) weigher: OnDevice<'a>,
     pub(super) points: &'a [SurfacePoint],
     pub(super) budget: Budget,
     pub(super) meter: &'a Meter<'a>,
@@ -57,14 +64,14 @@ impl Hybrid {
         self.refine_on(None, plan, bvh, points, budget, control)
     }
 
-    /// The same with rays traced on a device: where that fails it says so ([`Ended::Failed`], [`Hybrid::failure`]), and what it had found is
-    /// as that of an interrupted round.
+    /// The same with rays traced and weighed on a device: where that fails it says so ([`Ended::Failed`], [`Hybrid::failure`]), and what it had found
+    /// is as that of an interrupted round.
     ///
     /// # Panics
     /// As [`Hybrid::refine`].
     pub fn refine_on(
         &mut self,
-        device: Option<&dyn Bundles>,
+        device: Option<&dyn HybridDevice>,
         plan: &AoPlan,
         bvh: &Bvh,
         points: &[SurfacePoint],
@@ -73,7 +80,8 @@ impl Hybrid {
     ) -> Ended {
         let meter = Meter::new(control, budget.seconds);
         self.failure = None;
-        let ended = self.rounds_until(&Work { plan, bvh, device, points, budget, meter: &meter });
+        let weigher = self.weigher_on(device);
+        let ended = self.rounds_until(&Work { plan, bvh, device, weigher, points, budget, meter: &meter });
         meter.finish();
         if self.failure.is_some() { Ended::Failed } else { ended }
     }
@@ -86,11 +94,10 @@ impl Hybrid {
         if work.budget.seconds.is_some() && !control.is_cancelled() {
             self.time_rays(work);
         }
-        if self.started && !self.unfinished.is_empty() && !control.is_cancelled() {
-            // An interrupted round is gone on with by what was known when it began.
-            let known = &mut self.known;
-            let (level, constants) = (work.bvh.level(), &self.constants);
-            self.weigher.weigh(level, constants, &self.pixels, &self.tallies, &self.rays, known);
+        // An interrupted round is gone on with by what was known when it began, and known where it goes on: devices round as they do.
+        let known_elsewhere = self.known_on_device != work.weigher.is_some() && self.choice == Choice::Hybrid;
+        if self.started && (known_elsewhere || !self.unfinished.is_empty()) && !control.is_cancelled() {
+            self.weigh(&work.weigher, work.bvh.level(), Weighed::WholeRounds);
         }
         loop {
             if control.is_cancelled() || self.failure.is_some() {
@@ -125,7 +132,7 @@ impl Hybrid {
             self.started = false;
         }
         self.start(work, self.foreseen);
-        self.weigh(work.bvh.level());
+        self.weigh(&work.weigher, work.bvh.level(), Weighed::Shown);
         self.note(work);
         if work.budget.seconds.is_some() && self.started {
             self.choose_method(work);
@@ -160,7 +167,7 @@ impl Hybrid {
             return false;
         }
         let whole = self.trace(work, &orders, until);
-        self.weigh(work.bvh.level());
+        self.weigh(&work.weigher, work.bvh.level(), Weighed::Shown);
         self.note(work);
         whole
     }

@@ -17,7 +17,7 @@
 
 mod bytes;
 
-use super::{Hybrid, tallies::FULL, units_in};
+use super::{Hybrid, tallies::FULL, units_in, weighing::Weighed};
 use crate::{AoPlan, Choice, Round};
 use bytes::{Cursor, TALLY_BYTES, put};
 use conray_bvh::Level;
@@ -159,7 +159,7 @@ impl Hybrid {
             return Err(damaged("it goes on after its end"));
         }
         if self.rays_of_rounds() > 0 || !self.unfinished.is_empty() {
-            self.weigh(level);
+            self.weigh(&None, level, Weighed::Shown);
         }
         Ok(self)
     }

@@ -9,18 +9,18 @@ pub(super) const FULL: u32 = conray_bvh::BUNDLE_RAYS as u32 / UNIT;
 
 /// Sums over the rays of one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Tally {
-    /// Units traced.
-    pub(super) units: u32,
+pub struct Tally {
+    /// Units traced, of 16 rays each.
+    pub units: u32,
     /// Sum over units of the mean visibility.
-    pub(super) sum: f32,
+    pub sum: f32,
     /// Sum over units outside full bundles of the variance of the mean, as if their rays were independent within each of 2 x 2
     /// cells of the square of directions.
-    pub(super) in_units: f32,
+    pub in_units: f32,
     /// Sum over full bundles of the variance of the mean, as if their rays were independent within each of 4 x 4 cells.
-    pub(super) in_fulls: f32,
+    pub in_fulls: f32,
     /// Sum over units of the mean open direction.
-    pub(super) bent: Vec3,
+    pub bent: Vec3,
 }
 
 impl Tally {
@@ -44,13 +44,13 @@ impl Tally {
 /// stratified points err as `n^-3/2` (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996) once they are many; from 16
 /// to 256 rays a point, scenes of the study measure powers of 1.3 to 1.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rays {
+pub struct Rays {
     /// Variance of a unit over what rays that are independent in each of its cells would have.
-    pub(super) unit: f32,
+    pub unit: f32,
     /// The same of a full bundle.
-    pub(super) full: f32,
+    pub full: f32,
     /// Units that the points of the lattice got.
-    pub(super) first: u32,
+    pub first: u32,
 }
 
 /// [`worth`] of a full bundle.
@@ -83,7 +83,7 @@ impl Rays {
     }
 
     /// From so much formal variance on, in that of one unit, cells say enough: half that of a point of the lattice.
-    pub(super) fn enough(&self) -> f32 {
+    pub fn enough(&self) -> f32 {
         0.5 / worth(self.first as f32)
     }
 }

@@ -24,17 +24,19 @@ const ERROR_SIZES: [usize; 2] = [2, 4];
 /// Squared error of saying one half where nothing is known.
 const UNKNOWN: f32 = 0.05;
 
-/// What is known of each pixel.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Known {
-    /// Visibility.
-    pub(super) value: Vec<f32>,
+/// What is known of each place once rays and neighbours were weighed, one value a place; those without a point are of no meaning.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Known {
+    /// Visibility, from 0 to 1.
+    pub value: Vec<f32>,
     /// Its expected squared error.
-    pub(super) error2: Vec<f32>,
-    /// Expected squared error of what the neighbours say, the pixel's own rays left out.
-    pub(super) guess_error2: Vec<f32>,
-    /// Variance of one unit of rays.
-    pub(super) unit_variance: Vec<f32>,
+    pub error2: Vec<f32>,
+    /// Expected squared error of what the neighbours say, the place's own rays left out.
+    pub guess_error2: Vec<f32>,
+    /// Variance of the mean of one unit of rays.
+    pub unit_variance: Vec<f32>,
+    /// Mean squared error of one unit of rays over all places that have some.
+    pub unit: f32,
 }
 
 /// Weighs all that is known; holds its memory for the next time.
@@ -47,11 +49,6 @@ pub(super) struct Weigher {
 }
 
 impl Weigher {
-    /// Mean squared error of one unit of rays, as last weighed.
-    pub(super) fn mean_unit(&self) -> f32 {
-        self.columns.unit
-    }
-
     /// Brings what is known up to date.
     pub(super) fn weigh(
         &mut self,
@@ -71,6 +68,7 @@ impl Weigher {
             sums.fill(pixels, columns, pyramid, &of_pixels, size);
         }
         let everywhere = sums[0].everywhere();
+        known.unit = columns.unit;
         let mut told = vec![of_pixels];
         told.extend(sums.iter().map(|sums| Told::of_cells(sums, pixels, columns, pyramid)));
         let guesses = guesses.of_sizes();

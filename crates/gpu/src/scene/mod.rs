@@ -4,7 +4,10 @@ mod materials;
 mod trees;
 mod triangles;
 
-use crate::{Gpu, GpuError, kernel::scene_bindings};
+use crate::{
+    Gpu, GpuError,
+    kernel::{Bound, shared_bindings},
+};
 use bytemuck::cast_slice;
 use conray_core::Geometry;
 pub(crate) use materials::GpuMaterial;
@@ -37,7 +40,7 @@ impl GpuScene {
             gpu.buffer("opacities", cast_slice(&materials.words(&trees.triangles.uvs)), storage)?,
             gpu.buffer("placements", cast_slice(&trees.placements), storage)?,
         ];
-        let (layout, bindings) = scene_bindings(gpu, "scene", &buffers.each_ref());
+        let (layout, bindings) = shared_bindings(gpu, "scene", &buffers.each_ref().map(|b| (Bound::Read, b)));
         gpu.check()?;
         Ok(Self { bindings, layout })
     }
