@@ -5,6 +5,7 @@ use crate::{
     bundles::BundleRays,
     cone_rays::{Asked, ConeRays},
     cones::Cones,
+    frame::FrameKernels,
     points::{AoUniform, GpuTally},
     rays::Rays,
     scene::GpuScene,
@@ -28,12 +29,19 @@ const MARCHED_AT_ONCE: usize = 1 << 20;
 /// Estimates points on a device.
 pub struct GpuBackend {
     gpu: Gpu,
-    rays: Option<Rays>,
+    pub(crate) rays: Option<Rays>,
     cones: Option<Cones>,
     cone_rays: Option<ConeRays>,
     bundles: Option<BundleRays>,
     /// Compiled at the first weighing.
     weighing: OnceLock<Result<WeighKernels, GpuError>>,
+    /// Compiled for the first picture.
+    frames: OnceLock<Result<FrameKernels, GpuError>>,
+}
+
+/// The refusal of what was not uploaded.
+pub(crate) fn absent(method: Method) -> GpuError {
+    GpuError::NotUploaded(method)
 }
 
 impl GpuBackend {
@@ -49,7 +57,7 @@ impl GpuBackend {
             _ => None,
         };
         let bundles = rays.as_ref().map(|rays| BundleRays::new(&gpu, rays)).transpose()?;
-        Ok(Self { gpu, rays, cones, cone_rays, bundles, weighing: OnceLock::new() })
+        Ok(Self { gpu, rays, cones, cone_rays, bundles, weighing: OnceLock::new(), frames: OnceLock::new() })
     }
 
     /// The device.
@@ -68,6 +76,21 @@ impl GpuBackend {
         }
     }
 
+    /// The kernels that weigh.
+    pub(crate) fn weigh_kernels(&self) -> Result<&WeighKernels, GpuError> {
+        self.weighing.get_or_init(|| WeighKernels::new(&self.gpu)).as_ref().map_err(Clone::clone)
+    }
+
+    /// The kernels of pictures.
+    pub(crate) fn frame_kernels(
+        &self,
+        scene: &wgpu::BindGroupLayout,
+        weighed: &wgpu::BindGroupLayout,
+    ) -> Result<&FrameKernels, GpuError> {
+        let made = self.frames.get_or_init(|| FrameKernels::new(&self.gpu, scene, weighed));
+        made.as_ref().map_err(Clone::clone)
+    }
+
     fn estimated(
         &self,
         plan: &AoPlan,
@@ -75,7 +98,7 @@ impl GpuBackend {
         points: &[SurfacePoint],
         control: Control<'_>,
     ) -> Result<Option<Vec<Estimate>>, GpuError> {
-        let absent = || GpuError::NotUploaded(plan.method);
+        let absent = || absent(plan.method);
         let rays = || self.rays.as_ref().ok_or_else(absent);
         let cones = || self.cones.as_ref().ok_or_else(absent);
         match plan.method {
@@ -181,9 +204,8 @@ impl HybridDevice for GpuBackend {
         constants: &HybridConstants,
         places: &Places<'_>,
     ) -> Result<Option<Box<dyn PlaceWeigher + 'a>>, BackendError> {
-        let kernels = self.weighing.get_or_init(|| WeighKernels::new(&self.gpu));
-        let made = kernels.as_ref().map_err(Clone::clone);
-        let made = made.and_then(|kernels| Weigher::new(&self.gpu, kernels, constants, places));
+        let kernels = self.weigh_kernels();
+        let made = kernels.and_then(|kernels| Weigher::new(&self.gpu, kernels, constants, places));
         let boxed = |weigher: Weigher<'a>| Box::new(weigher) as Box<dyn PlaceWeigher + 'a>;
         made.map(|weigher| weigher.map(boxed)).map_err(|e| BackendError::Device(e.to_string()))
     }

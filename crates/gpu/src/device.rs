@@ -184,9 +184,9 @@ impl Gpu {
         Ok(buffer)
     }
 
-    /// A buffer for so many values that will be written later, all zero until then.
+    /// A buffer for so many values that will be written later, all zero until then; it can be read too.
     pub(crate) fn room<T>(&self, what: &'static str, count: usize) -> Result<wgpu::Buffer, GpuError> {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = self.empty(what, (count * size_of::<T>()) as u64, usage)?;
         self.check()?;
         Ok(buffer)

@@ -6,6 +6,7 @@
 //! Octree -> octree.rs                      bricks of opacities and where they are
 //! points, plan -> GpuBackend -> estimates  backend.rs, rays.rs, bundles.rs, cones.rs; kernel.rs: one entry point and runs of it
 //! places, tallies -> what is known         weighing/: what rays of neighbours tell, for method `hybrid`
+//! camera, plan -> Frames -> pictures       frame/: all of it on the device, for those who look while a camera moves
 //! ```
 //!
 //! Shaders are in `shaders/`: entry points flat, what they include in `shared/`. Of method `hybrid` the rays are traced and weighed here, and
@@ -18,6 +19,7 @@ mod cone_rays;
 mod cones;
 mod device;
 mod error;
+mod frame;
 mod kernel;
 mod layouts;
 mod octree;
@@ -31,5 +33,6 @@ pub use backend::GpuBackend;
 pub use clock::KernelTime;
 pub use device::{AdapterFacts, Gpu, adapters};
 pub use error::GpuError;
+pub use frame::{FrameCamera, FrameFound, Frames};
 pub use layouts::{StructLayout, layouts};
 pub use shader::{SHADERS, source};

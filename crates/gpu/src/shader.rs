@@ -7,7 +7,7 @@ macro_rules! files {
 }
 
 /// Entry points, by the names of their files.
-pub const SHADERS: [&str; 11] = [
+pub const SHADERS: [&str; 14] = [
     "rays.wgsl",
     "cones.wgsl",
     "cone_rays.wgsl",
@@ -19,6 +19,9 @@ pub const SHADERS: [&str; 11] = [
     "weigh_sums.wgsl",
     "weigh_everywhere.wgsl",
     "weigh.wgsl",
+    "see.wgsl",
+    "lattice.wgsl",
+    "resolve.wgsl",
 ];
 
 const FILES: &[(&str, &str)] = files![
@@ -33,6 +36,9 @@ const FILES: &[(&str, &str)] = files![
     "weigh_sums.wgsl",
     "weigh_everywhere.wgsl",
     "weigh.wgsl",
+    "see.wgsl",
+    "lattice.wgsl",
+    "resolve.wgsl",
     "shared/point.wgsl",
     "shared/seen.wgsl",
     "shared/octree.wgsl",
@@ -42,6 +48,8 @@ const FILES: &[(&str, &str)] = files![
     "shared/opacity.wgsl",
     "shared/trace.wgsl",
     "shared/points.wgsl",
+    "shared/bundle.wgsl",
+    "shared/place.wgsl",
     "shared/weighing.wgsl",
     "shared/cells.wgsl",
     "shared/likeness.wgsl",

@@ -148,6 +148,11 @@ impl Hybrid {
         self.units * u64::from(UNIT) + self.pilot_rays
     }
 
+    /// How rays err here, as the pilot found; a guess before the first rays.
+    pub fn ray_errors(&self) -> RayErrors {
+        self.rays
+    }
+
     /// Expected root mean square error over all points; infinite before the first rays.
     pub fn expected_rmse(&self) -> f64 {
         // In parts, so that the sum does not depend on threads.

@@ -24,8 +24,8 @@ const PAIRS: usize = 2048;
 const PAIR_OF: usize = 128;
 /// Least ratio between what holds of units and of full bundles: as if visibility jumped nowhere.
 const LEAST_RATIO: f64 = 0.1;
-/// Variance over that of independent rays in each cell, before any pair: about what scenes have.
-const STRATIFIED: f64 = 0.5;
+/// Variance over that of independent rays in each cell, before any pair.
+const STRATIFIED: f64 = Rays::UNKNOWN.unit as f64;
 /// That guess counts for so many pairs.
 const PRIOR_PAIRS: f64 = 64.0;
 /// Chooses another sequence for the second of a pair: digits of pi.
@@ -33,7 +33,7 @@ pub(super) const SALT: u32 = 0x243f_6a88;
 
 /// How rays err before any told; points of the lattice get so many units.
 pub(super) fn unknown(first: u32) -> Rays {
-    Rays { unit: STRATIFIED as f32, full: STRATIFIED as f32, first }
+    Rays { first, ..Rays::UNKNOWN }
 }
 
 /// Units that points of the lattice get for a budget of so many rays a point.

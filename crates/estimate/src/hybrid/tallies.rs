@@ -63,6 +63,9 @@ pub(super) fn worth(units: f32) -> f32 {
 }
 
 impl Rays {
+    /// Before any rays told, for points of one unit: about what scenes have.
+    pub const UNKNOWN: Self = Self { unit: 0.5, full: 0.5, first: 1 };
+
     /// Variance of one unit as a point's own rays tell it; 0 without rays.
     pub(super) fn unit_variance(&self, tally: &Tally) -> f32 {
         let fulls = FULL as f32 * FULL_WORTH * self.full * tally.in_fulls;

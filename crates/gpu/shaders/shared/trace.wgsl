@@ -165,11 +165,18 @@ fn push(walk: ptr<function, Walk>, index: u32, met: u32) {
 
 // What a trace is for, and what it found.
 struct Trace {
-    // True: the nearest surface that blocks anything. False: what all surfaces together let through.
+    // True: the nearest surface of such an opacity. False: what all surfaces together let through.
     nearest: bool,
+    least: f32,
+    // True where backs that rays pass count as well.
+    backs: bool,
     transmittance: f32,
     t: f32,
     opacity: f32,
+    // The nearest one.
+    triangle: u32,
+    placement: u32,
+    weights: vec3<f32>,
     ray: Ray,
     shear: Shear,
 }
@@ -193,15 +200,18 @@ fn meet(first: u32, count: u32, placement: u32, found: ptr<function, Trace>) -> 
             triangle.flags ^= turn;
         }
         let met = crossing(triangle, (*found).ray, (*found).shear);
-        if met.t < 0.0 || (met.is_back && (triangle.flags & ONE_SIDED) != 0u) {
+        if met.t < 0.0 || (met.is_back && (triangle.flags & ONE_SIDED) != 0u && !(*found).backs) {
             continue;
         }
         let opacity = opacity_at(triangle, met.weights);
         if (*found).nearest {
-            if opacity > 0.0 {
+            if opacity >= (*found).least {
                 (*found).ray.to_t = met.t;
                 (*found).t = met.t;
                 (*found).opacity = opacity;
+                (*found).triangle = k;
+                (*found).placement = placement;
+                (*found).weights = met.weights;
             }
         } else {
             (*found).transmittance *= 1.0 - opacity;
@@ -246,8 +256,19 @@ fn through(placement: u32, found: ptr<function, Trace>) -> bool {
     return true;
 }
 
+// What all surfaces together let through, or the nearest one that blocks anything.
 fn trace(ray: Ray, nearest: bool) -> Trace {
-    var found = Trace(nearest, 1.0, -1.0, 0.0, ray, shear_of(ray.direction));
+    return traced(ray, nearest, 1e-30, false);
+}
+
+// The nearest surface that blocks half of the light, from either side; `t` is below 0 where there is none.
+fn first_surface(ray: Ray) -> Trace {
+    return traced(ray, true, 0.5, true);
+}
+
+fn traced(ray: Ray, nearest: bool, least: f32, backs: bool) -> Trace {
+    var found =
+        Trace(nearest, least, backs, 1.0, -1.0, 0.0, NONE, NONE, vec3(0.0), ray, shear_of(ray.direction));
     let inverse = inverse_of(ray.direction);
     var walk = walk_from(0u);
     loop {

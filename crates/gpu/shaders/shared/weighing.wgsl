@@ -1,5 +1,7 @@
 // What weighing reads of places and of their rays: crates/estimate/src/hybrid. Every struct has a twin in crates/gpu/src/weighing/.
 
+//#include shared/place.wgsl
+
 struct Weighing {
     // Places: in a row, rows, and places from row to row.
     width: u32,
@@ -27,22 +29,6 @@ struct Weighing {
     pad_c: u32,
 }
 
-// What is known of a place without a ray; sharpness is 0 where there is no point.
-struct Place {
-    position: vec3<f32>,
-    sharpness: f32,
-    normal: vec3<f32>,
-    pad: u32,
-}
-
-// What its rays found.
-struct Tally {
-    units: u32,
-    sum: f32,
-    in_units: f32,
-    in_fulls: f32,
-}
-
 // Tallies of like places put together; worth is 0 where there is nothing.
 struct Cell {
     position: vec3<f32>,
@@ -53,7 +39,7 @@ struct Cell {
 
 @group(0) @binding(0) var<uniform> weighing: Weighing;
 @group(0) @binding(1) var<storage, read> places: array<Place>;
-@group(0) @binding(2) var<storage, read> tallies: array<Tally>;
+@group(0) @binding(2) var<storage, read> tallies: array<PlaceTally>;
 
 const GROUP: u32 = 64u;
 // Sizes of cells, places among them.
@@ -77,12 +63,12 @@ fn worth_of(units: f32) -> f32 {
     return units * fourth * sqrt(fourth);
 }
 
-fn mean_of(tally: Tally) -> f32 {
+fn mean_of(tally: PlaceTally) -> f32 {
     return tally.sum / f32(max(tally.units, 1u));
 }
 
 // Variance of one unit as a place's own rays tell it.
-fn unit_variance_of(tally: Tally) -> f32 {
+fn unit_variance_of(tally: PlaceTally) -> f32 {
     let both = weighing.unit * tally.in_units + FULL_FACTOR * weighing.full * tally.in_fulls;
     return both / f32(max(tally.units, 1u));
 }

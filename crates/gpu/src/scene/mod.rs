@@ -9,7 +9,7 @@ use crate::{
     kernel::{Bound, shared_bindings},
 };
 use bytemuck::cast_slice;
-use conray_core::Geometry;
+use conray_core::{Geometry, Vec3};
 pub(crate) use materials::GpuMaterial;
 use materials::Materials;
 pub(crate) use trees::GpuPlacement;
@@ -20,6 +20,8 @@ pub(crate) use triangles::GpuTriangle;
 pub(crate) struct GpuScene {
     pub(crate) bindings: wgpu::BindGroup,
     pub(crate) layout: wgpu::BindGroupLayout,
+    /// Three vertex normals for each triangle, for those who look at the scene.
+    pub(crate) normals: Vec<[Vec3; 3]>,
 }
 
 impl GpuScene {
@@ -42,6 +44,6 @@ impl GpuScene {
         ];
         let (layout, bindings) = shared_bindings(gpu, "scene", &buffers.each_ref().map(|b| (Bound::Read, b)));
         gpu.check()?;
-        Ok(Self { bindings, layout })
+        Ok(Self { bindings, layout, normals: trees.triangles.normals })
     }
 }

@@ -17,7 +17,7 @@ use crate::{
     Gpu, GpuError,
     kernel::{Bound, GROUP, Kernel, Steps, bind, layout},
 };
-use bytemuck::{bytes_of, cast_slice};
+use bytemuck::bytes_of;
 use conray_estimate::{BackendError, HybridConstants, Known, PlaceTally, PlaceWeigher, Places, RayErrors};
 use std::sync::{Mutex, PoisonError};
 pub(crate) use structs::{
@@ -34,7 +34,7 @@ const EACH: u32 = 16;
 /// The kernels.
 pub(crate) struct WeighKernels {
     /// Of what all of them read.
-    shared: wgpu::BindGroupLayout,
+    pub(crate) shared: wgpu::BindGroupLayout,
     units: Kernel,
     begin: Kernel,
     cells: Kernel,
@@ -67,15 +67,17 @@ pub(crate) struct Weigher<'a> {
     gpu: &'a Gpu,
     kernels: &'a WeighKernels,
     uniform: WeighingUniform,
-    shared: wgpu::BindGroup,
-    buffers: Buffers,
+    /// What all kernels read.
+    pub(crate) shared: wgpu::BindGroup,
+    pub(crate) buffers: Buffers,
     /// One weighing at a time: they share the buffers.
     turn: Mutex<()>,
 }
 
-struct Buffers {
+pub(crate) struct Buffers {
     uniform: wgpu::Buffer,
-    tallies: wgpu::Buffer,
+    pub(crate) places: wgpu::Buffer,
+    pub(crate) tallies: wgpu::Buffer,
     marks: wgpu::Buffer,
     unit_parts: wgpu::Buffer,
     state: wgpu::Buffer,
@@ -85,7 +87,7 @@ struct Buffers {
     told: wgpu::Buffer,
     sums: wgpu::Buffer,
     sum_parts: wgpu::Buffer,
-    known: wgpu::Buffer,
+    pub(crate) known: wgpu::Buffer,
     /// Of each size, then of each second look.
     layers: [Vec<wgpu::Buffer>; 2],
 }
@@ -108,22 +110,37 @@ impl<'a> Weigher<'a> {
         places: &Places<'_>,
     ) -> Result<Option<Self>, GpuError> {
         let uniform = WeighingUniform::new(constants, places);
-        let count = places.sharpness.len();
-        let largest = (SIZES as usize * count * size_of::<[f32; 2]>()).max(count * size_of::<GpuPlace>());
-        if gpu.check_size("guesses", largest as u64).is_err() {
-            return Ok(None);
-        }
-        let storage = wgpu::BufferUsages::STORAGE;
-        let laid_out = gpu.buffer("places", cast_slice(&GpuPlace::all(places)), storage)?;
-        let buffers = Buffers::new(gpu, &uniform)?;
-        let shared = bind(gpu, &kernels.shared, &[&buffers.uniform, &laid_out, &buffers.tallies]);
-        Ok(Some(Self { gpu, kernels, uniform, shared, buffers, turn: Mutex::new(()) }))
+        let weigher = match Self::empty(gpu, kernels, uniform) {
+            Err(GpuError::TooLarge { .. }) => return Ok(None),
+            made => made?,
+        };
+        gpu.write(&weigher.buffers.places, &GpuPlace::all(places))?;
+        Ok(Some(weigher))
     }
 
-    fn steps(&self) -> Result<(), GpuError> {
-        let Self { gpu, kernels, uniform, shared, buffers: b, .. } = self;
+    /// For places that a kernel will fill in.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`], with the numbers, or a device that fails.
+    pub(crate) fn empty(
+        gpu: &'a Gpu,
+        kernels: &'a WeighKernels,
+        uniform: WeighingUniform,
+    ) -> Result<Self, GpuError> {
+        let buffers = Buffers::new(gpu, &uniform)?;
+        let shared = bind(gpu, &kernels.shared, &[&buffers.uniform, &buffers.places, &buffers.tallies]);
+        Ok(Self { gpu, kernels, uniform, shared, buffers, turn: Mutex::new(()) })
+    }
+
+    /// Says how the rays err that the next steps weigh.
+    pub(crate) fn set_rays(&self, rays: &RayErrors) -> Result<(), GpuError> {
+        self.gpu.write(&self.buffers.uniform, &[self.uniform.with_rays(rays)])
+    }
+
+    /// All that is done to weigh what the tallies hold by then.
+    pub(crate) fn add_to(&self, steps: &mut Steps<'_>) -> Result<(), GpuError> {
+        let Self { kernels, uniform, shared, buffers: b, .. } = self;
         let count = count_of(uniform);
-        let mut steps = Steps::new(gpu);
         let mut step = |kernel: &Kernel, asked: &[&wgpu::Buffer], threads: u32| {
             steps.add(kernel, shared, asked, threads.div_ceil(GROUP))
         };
@@ -143,16 +160,17 @@ impl<'a> Weigher<'a> {
             step(&kernels.sums, &asked, cells_of(uniform, size))?;
         }
         step(&kernels.everywhere, &[&b.sum_parts, &b.counts, &b.state], 1)?;
-        step(&kernels.weigh, &[&b.cells, &b.heads, &b.told, &b.sums, &b.state, &b.known], count)?;
-        steps.finish()
+        step(&kernels.weigh, &[&b.cells, &b.heads, &b.told, &b.sums, &b.state, &b.known], count)
     }
 
     fn weighed(&self, tallies: &[PlaceTally], rays: &RayErrors) -> Result<Known, GpuError> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let packed: Vec<GpuPlaceTally> = tallies.iter().map(GpuPlaceTally::of).collect();
-        self.gpu.write(&self.buffers.uniform, &[self.uniform.with_rays(rays)])?;
+        self.set_rays(rays)?;
         self.gpu.write(&self.buffers.tallies, &packed)?;
-        self.steps()?;
+        let mut steps = Steps::new(self.gpu);
+        self.add_to(&mut steps)?;
+        steps.finish()?;
         let state: Vec<WeighingState> = self.gpu.read(&self.buffers.state, 1)?;
         let known: Vec<[f32; 4]> = self.gpu.read(&self.buffers.known, tallies.len())?;
         let column = |k: usize| known.iter().map(|known| known[k]).collect();
@@ -186,6 +204,7 @@ impl Buffers {
         };
         Ok(Self {
             uniform: gpu.buffer("constants", bytes_of(uniform), wgpu::BufferUsages::UNIFORM)?,
+            places: gpu.room::<GpuPlace>("places", count)?,
             tallies: gpu.room::<GpuPlaceTally>("tallies of places", count)?,
             marks: gpu.answers::<u32>("marks of places", count)?,
             unit_parts: gpu.answers::<[f32; 2]>("parts of a sum", unit_parts)?,

@@ -33,11 +33,18 @@ pub(crate) struct WeighingUniform {
 impl WeighingUniform {
     /// Before it is known how rays err.
     pub(super) fn new(constants: &HybridConstants, places: &Places<'_>) -> Self {
+        let [width, height, stride, points] =
+            [places.width, places.height, places.stride, places.points].map(|count| count as u32);
+        Self { points, ..Self::of_size(constants, [width, height, stride]) }
+    }
+
+    /// For a picture of that width, height and stride, of which all may have points.
+    pub(crate) fn of_size(constants: &HybridConstants, [width, height, stride]: [u32; 3]) -> Self {
         Self {
-            width: places.width as u32,
-            height: places.height as u32,
-            stride: places.stride as u32,
-            points: places.points as u32,
+            width,
+            height,
+            stride,
+            points: width * height,
             distance: constants.distance,
             cells: constants.cells,
             plane: constants.plane,
