@@ -52,10 +52,11 @@ fn weigh_cells(
         return;
     }
     let at = vec2(index % across.x, index / across.x);
+    let below = grid_of(layer.size - 1u);
     var parts: array<Cell, 4>;
     var best = 4u;
     for (var k = 0u; k < 4u; k++) {
-        parts[k] = cell_at(layer.size - 1u, vec2<i32>(2u * at + vec2(k % 2u, k / 2u)));
+        parts[k] = cell_at(below, vec2<i32>(2u * at + vec2(k % 2u, k / 2u)));
         if parts[k].worth > 0.0 && (best == 4u || parts[k].worth > parts[best].worth) {
             best = k;
         }

@@ -51,10 +51,11 @@ fn can_say_enough(cell: vec2<i32>) -> bool {
     if layer.again == 1u || layer.size + 1u == SIZES {
         return true;
     }
+    let grid = grid_of(layer.size);
     var worth = 0.0;
     for (var y = -REACH; y <= REACH; y++) {
         for (var x = -REACH; x <= REACH; x++) {
-            worth += cell_at(layer.size, cell + vec2(x, y)).worth;
+            worth += worth_at(grid, cell + vec2(x, y));
         }
     }
     return worth >= 1.0 / weighing.enough;
@@ -68,6 +69,7 @@ struct Fit {
 // A linear function of the tangent plane through the cells about, read off at the place.
 fn fitted(at: u32, cell: vec2<i32>) -> Fit {
     let size = layer.size;
+    let grid = grid_of(size);
     let centre = centre_of(places[at], size);
     let n = centre.normal;
     let sign = select(-1.0, 1.0, n.z >= 0.0);
@@ -82,7 +84,10 @@ fn fitted(at: u32, cell: vec2<i32>) -> Fit {
     var uy_vy = vec2<f32>();
     for (var y = -REACH; y <= REACH; y++) {
         for (var x = -REACH; x <= REACH; x++) {
-            let about = cell_at(size, cell + vec2(x, y));
+            let about = cell_at(grid, cell + vec2(x, y));
+            if about.worth <= 0.0 {
+                continue;
+            }
             var worth = about.worth;
             var value = about.value;
             var to = about.position - centre.position;

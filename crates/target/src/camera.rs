@@ -83,6 +83,21 @@ impl Camera {
         (depth.max(0.0) * self.pixel_side) as f32
     }
 
+    /// Where rays start.
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// Unit vectors: to the right in the picture, up in it, into it.
+    pub fn basis(&self) -> [Vec3; 3] {
+        [self.right, self.up, self.forward].map(|axis| axis.as_vec3())
+    }
+
+    /// Side of a pixel on the plane at unit depth.
+    pub fn pixel_side(&self) -> f32 {
+        self.pixel_side as f32
+    }
+
     /// Width of the image in pixels.
     pub fn width(&self) -> u32 {
         self.width_px
