@@ -27,6 +27,22 @@ pub(crate) fn lines(plan: &AoPlan, work: &Work) -> Vec<String> {
     lines
 }
 
+/// Fails where a device failed before anything was estimated: there is nothing to write.
+pub(crate) fn stop_if_nothing(work: &Work) -> Result<(), Failure> {
+    match &work.failure {
+        Some(reason) if work.rays == 0 && work.cones == 0 => {
+            Err(Failure::Work(format!("{reason}; nothing was estimated, no file was written")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Fails where a device failed, once what it had done is written.
+pub(crate) fn stop_if_failed(work: &Work) -> Result<(), Failure> {
+    let failed = |reason: &String| Failure::Work(format!("{reason}; what was done by then has been written"));
+    work.failure.as_ref().map_or(Ok(()), |reason| Err(failed(reason)))
+}
+
 fn budget(plan: &AoPlan) -> String {
     let budget = &plan.budget;
     let mut parts = Vec::new();
@@ -88,4 +104,39 @@ pub(crate) fn missed(plan: &AoPlan, work: &Work) -> Option<String> {
 /// Fails where an error was missed and that matters.
 pub(crate) fn check(strict: bool, missed: Option<String>) -> Result<(), Failure> {
     missed.filter(|_| strict).map_or(Ok(()), |missed| Err(Failure::Work(missed)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use conray::Ended;
+
+    #[test]
+    fn a_device_that_failed_is_told_before_or_after_what_is_written() {
+        let work = |failure: Option<&str>, rays| Work {
+            completed: failure.is_none(),
+            ended: if failure.is_some() { Ended::Failed } else { Ended::Rays },
+            failure: failure.map(Into::into),
+            expected_rmse: 0.1,
+            seconds: 1.0,
+            points: 4,
+            rays,
+            cones: 0,
+            explanation: None,
+        };
+        let told = |result: Result<(), Failure>| match result {
+            Err(Failure::Work(message)) => message,
+            other => panic!("{other:?}"),
+        };
+        assert!(stop_if_nothing(&work(None, 0)).is_ok() && stop_if_failed(&work(None, 9)).is_ok());
+        assert!(stop_if_nothing(&work(Some("lost"), 9)).is_ok());
+        assert_eq!(
+            told(stop_if_nothing(&work(Some("lost"), 0))),
+            "lost; nothing was estimated, no file was written"
+        );
+        assert_eq!(
+            told(stop_if_failed(&work(Some("lost"), 9))),
+            "lost; what was done by then has been written"
+        );
+    }
 }

@@ -33,6 +33,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     let camera = session.camera(&view, width, height)?;
     let outcome = estimate(&session, &camera, args.state.as_deref(), interrupted, &reporter)?;
+    explain::stop_if_nothing(&outcome.work)?;
     write_outputs(args, &settings, &session, &camera, &outcome)?;
 
     let missed = explain::missed(session.plan(), &outcome.work);
@@ -52,6 +53,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         reporter.warn("the view shows nothing of the scene");
     }
     stop_if(interrupted, "what was done by then has been written")?;
+    explain::stop_if_failed(&outcome.work)?;
     explain::check(args.ao.strict, missed)
 }
 

@@ -32,6 +32,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     let session = Session::build_observed(geometry, &settings, &options, &|e| reporter.event(e))?;
     stop_if(interrupted, "before anything was estimated; no file was written")?;
     let outcome = estimate(&session, &points, None, interrupted, &reporter)?;
+    explain::stop_if_nothing(&outcome.work)?;
     if let Some(skipped) = points.skipped() {
         reporter.event(Event::Warning {
             message: format!(
@@ -59,5 +60,6 @@ pub(crate) fn run(args: &SampleArgs) -> Result<(), Failure> {
     facts["files"] = json!([args.output]);
     reporter.summary(&lines, facts);
     stop_if(interrupted, "what was done by then has been written")?;
+    explain::stop_if_failed(&outcome.work)?;
     explain::check(args.ao.strict, explain::missed(session.plan(), &outcome.work))
 }

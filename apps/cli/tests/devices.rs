@@ -38,7 +38,6 @@ fn what_no_device_has_is_refused_and_auto_takes_the_cpu() {
         assert_eq!(output.status.code(), Some(0), "{}", err(&output));
         let told = out(&output);
         assert!(!told.contains("llvmpipe"), "a program on the CPU is not taken by itself: {told}");
-        assert!(words.len() > 2 || !told.contains(", on "), "hybrid stays on the CPU: {told}");
     }
 }
 

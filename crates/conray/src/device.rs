@@ -20,7 +20,7 @@ pub enum Device {
     Cpu,
     /// On a graphics processor; where there is none, or it lacks what the plan needs, that is an error.
     Gpu,
-    /// On a graphics processor where there is one that is no program on the CPU, and it has all of the method; else on the CPU, as method `hybrid`.
+    /// On a graphics processor where there is one that is no program on the CPU, and it has all of the method; else on the CPU.
     Auto,
 }
 
@@ -64,9 +64,8 @@ impl Parts<'_> {
     }
 
     fn auto(&self, adapter: Option<&str>) -> Result<Chosen, Error> {
-        // What no device has needs no word. Of `hybrid` the weighing is the CPU's in any case, and no real device was measured yet: only who asks
-        // for one gets it.
-        if self.plan.method == Method::Hybrid || GpuBackend::check(self.plan).is_err() {
+        // What no device has needs no word.
+        if GpuBackend::check(self.plan).is_err() {
             return Ok(self.cpu("CPU".into()));
         }
         // One that is named is meant, whatever it is.

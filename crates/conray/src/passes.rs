@@ -2,7 +2,9 @@
 
 use crate::{Error, Outcome, Session, Work};
 use conray_core::{Estimate, SurfacePoint};
-use conray_estimate::{AoPlan, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge};
+use conray_estimate::{
+    AoPlan, BackendError, Budget, Choice, Control, Ended, Explanation, Meter, Round, merge,
+};
 use std::{
     ops::Range,
     sync::atomic::{AtomicU64, Ordering},
@@ -37,7 +39,7 @@ impl Session {
     /// Estimates every point until the plan's budget is spent, telling of progress and stopping when asked to.
     ///
     /// Progress is told in thousandths of the budget, [`crate::PROGRESS_UNITS`] in all. Where time is the budget, one
-    /// pass of 16 rays is the least that is done.
+    /// pass of 16 rays is the least that is done. Where a device fails, what was estimated by then is handed back with [`Work::failure`].
     ///
     /// # Errors
     /// What the backend lacks for the plan.
@@ -56,6 +58,7 @@ impl Session {
         let meter = Meter::new(control, budget.seconds);
         let mut work =
             Passes { estimates: vec![Estimate::PENDING; points.len()], samples: 0, rounds: Vec::new() };
+        let mut failure = None;
         let ended = loop {
             let wanted = work.wanted(&budget, &meter);
             if control.is_cancelled() {
@@ -71,14 +74,21 @@ impl Session {
                     false => Ended::Time,
                 };
             };
-            self.pass(plan, &mut work, range, wanted.min(budget.rays.into()), points, &meter)?;
+            match self.pass(plan, &mut work, range, wanted.min(budget.rays.into()), points, &meter) {
+                Err(BackendError::Device(reason)) => {
+                    failure = Some(reason);
+                    break Ended::Failed;
+                }
+                done => done?,
+            }
         };
         meter.finish();
         let reached = work.estimates.iter().filter(|e| !e.is_pending()).count() as u64;
         let cones = if plan.method.needs_octree() { reached * plan.cones.cones().len() as u64 } else { 0 };
         let done = Work {
-            completed: ended != Ended::Cancelled,
+            completed: !matches!(ended, Ended::Cancelled | Ended::Failed),
             ended,
+            failure,
             expected_rmse: work.rmse(),
             seconds: meter.elapsed(),
             points: points.len() as u64,
@@ -98,7 +108,7 @@ impl Session {
         wanted: f64,
         points: &[SurfacePoint],
         meter: &Meter<'_>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), BackendError> {
         let (before, now) = (range.start, range.end - range.start);
         let mut found = vec![Estimate::PENDING; points.len()];
         let done = AtomicU64::new(0);
@@ -108,17 +118,17 @@ impl Session {
             meter.at(samples / wanted);
         };
         let control = Control { progress: &progress, ..meter.control };
-        self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control))?;
+        let told = self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control));
         for (all, pass) in work.estimates.iter_mut().zip(&found) {
             *all = merge(all, before, pass, now);
         }
-        if !control.is_cancelled() {
+        if told.is_ok() && !control.is_cancelled() {
             work.samples += now;
             let rays_per_point = work.samples.into();
             let (expected_rmse, seconds) = (work.rmse(), meter.elapsed());
             work.rounds.push(Round { rays_per_point, expected_rmse, seconds });
         }
-        Ok(())
+        told
     }
 }
 
@@ -172,6 +182,53 @@ impl Passes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{AoSettings, Method};
+    use conray_estimate::Backend;
+    use std::sync::Arc;
+
+    /// Says that all is open, until it fails in the middle of a pass.
+    struct Failing {
+        calls: AtomicU64,
+    }
+
+    impl Backend for Failing {
+        fn estimate(
+            &self,
+            _: &AoPlan,
+            samples: Range<u32>,
+            _: &[SurfacePoint],
+            estimates: &mut [Estimate],
+            _: Control<'_>,
+        ) -> Result<(), BackendError> {
+            let fails = self.calls.fetch_add(1, Ordering::Relaxed) > 0;
+            let reached = if fails { estimates.len() / 2 } else { estimates.len() };
+            let open =
+                Estimate { visibility: 1.0, error: 0.1, rays: samples.len() as u32, ..Estimate::PENDING };
+            estimates[..reached].fill(open);
+            if fails { Err(BackendError::Device("lost".into())) } else { Ok(()) }
+        }
+    }
+
+    #[test]
+    fn a_device_that_fails_leaves_what_it_had_done() {
+        let scene = conray_scene::builtin("cornell").unwrap();
+        let settings = AoSettings { method: Method::Rays, rays: Some(64), ..AoSettings::default() };
+        let mut session = Session::build(scene.geometry, &settings).unwrap();
+        let points = [SurfacePoint::new(crate::Vec3::ZERO, crate::Vec3::Z); 8];
+        let failing = |calls| Arc::new(Failing { calls: AtomicU64::new(calls) });
+        session.backend = failing(0);
+        let outcome = session.run(&points, Control::none()).unwrap();
+        assert_eq!((outcome.work.ended, outcome.work.completed), (Ended::Failed, false));
+        assert_eq!(outcome.work.failure.as_deref(), Some("lost"));
+        let rays: Vec<u32> = outcome.estimates.iter().map(|e| e.rays).collect();
+        assert_eq!(rays, [64, 64, 64, 64, 16, 16, 16, 16]);
+        // Who asks for estimates alone is told.
+        session.backend = failing(0);
+        assert!(session.estimate(&points).is_err_and(|e| e.to_string() == "lost"));
+        session.backend = failing(1);
+        let outcome = session.run(&points, Control::none()).unwrap();
+        assert_eq!(outcome.estimates.iter().filter(|e| e.is_pending()).count(), 4);
+    }
 
     fn passes(wanted: f64, most: u32) -> Vec<Range<u32>> {
         let next = |range: &Range<u32>| next_pass(range.end, wanted, most);

@@ -1,12 +1,12 @@
 //! A session: what was built for one scene, ready to answer.
 
 use crate::{
-    Device, Error, Event, Observer, Stage,
+    Device, Error, Event, Observer, Outcome, Stage,
     device::{Chosen, Parts},
 };
 use conray_bvh::Bvh;
 use conray_core::{Bounds, Estimate, Geometry, SurfacePoint, Vec2, Vec3, View};
-use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, Control, SettingsError};
+use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, BackendError, Control, SettingsError};
 use conray_target::{Camera, CameraTarget};
 use conray_voxel::{Octree, OctreeOptions};
 use std::{ops::Range, sync::Arc, time::Instant};
@@ -200,9 +200,10 @@ impl Session {
     /// Estimates every point, in order.
     ///
     /// # Errors
-    /// None in a session as built; the type leaves room for devices that fail.
+    /// A device that fails.
     pub fn estimate(&self, points: &[SurfacePoint]) -> Result<Vec<Estimate>, Error> {
-        Ok(self.run(points, Control::none())?.estimates)
+        let Outcome { estimates, work } = self.run(points, Control::none())?;
+        work.failure.map_or(Ok(estimates), |reason| Err(BackendError::Device(reason).into()))
     }
 
     /// What other settings come to for this scene, to be carried out by [`Session::estimate_plan`].

@@ -15,7 +15,7 @@ impl Session {
     /// Estimates every point of a target until the plan's budget is spent, telling of progress and stopping when asked to.
     ///
     /// Method `hybrid` shares between the pixels of an image, and between scattered points where they are many; all else is
-    /// [`Session::run`].
+    /// [`Session::run`]. Where a device fails, what was estimated by then is handed back with [`Work::failure`].
     ///
     /// # Errors
     /// What the backend lacks for the plan.
@@ -36,10 +36,7 @@ impl Session {
         let start = Instant::now();
         let plan = AoPlan { budget, ..self.plan.clone() };
         match self.hybrid(&plan, target) {
-            Some(mut hybrid) => {
-                let outcome = self.run_hybrid(&mut hybrid, budget, target.points(), start, control);
-                unless_failed(&hybrid, outcome)
-            }
+            Some(mut hybrid) => Ok(self.run_hybrid(&mut hybrid, budget, target.points(), start, control)),
             None => self.run_within(&plan, target.points(), control),
         }
     }
@@ -64,7 +61,7 @@ impl Session {
         let mut hybrid = self.load(begun, &plan, points, path)?;
         let outcome = self.run_hybrid(&mut hybrid, budget, points, start, control);
         self.save(&hybrid, &plan, points, path)?;
-        unless_failed(&hybrid, outcome)
+        Ok(outcome)
     }
 
     /// Goes on with a refinement until a budget is spent: rays of all work on it, seconds since `start`.
@@ -84,6 +81,7 @@ impl Session {
         let work = Work {
             completed: !matches!(ended, Ended::Cancelled | Ended::Failed),
             ended,
+            failure: hybrid.failure().map(ToString::to_string),
             expected_rmse: hybrid.expected_rmse(),
             seconds: start.elapsed().as_secs_f64(),
             points: points.len() as u64,
@@ -122,9 +120,4 @@ impl Session {
         let device = self.backend.hybrid_device();
         self.install(|| hybrid.refine_on(device, plan, &self.bvh, points, budget, control))
     }
-}
-
-/// The outcome, or why the device failed.
-fn unless_failed(hybrid: &Hybrid, outcome: Outcome) -> Result<Outcome, Error> {
-    hybrid.failure().map_or(Ok(outcome), |failure| Err(failure.clone().into()))
 }

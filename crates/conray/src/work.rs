@@ -15,10 +15,12 @@ pub struct Outcome {
 /// What the estimates of some points took, and what ended it.
 #[derive(Clone, Debug)]
 pub struct Work {
-    /// False where the caller stopped the work.
+    /// False where the caller stopped the work, or a device failed.
     pub completed: bool,
     /// What ended the work.
     pub ended: Ended,
+    /// What a device said that failed ([`Ended::Failed`]): what was estimated by then is there all the same.
+    pub failure: Option<String>,
     /// Expected RMSE of visibility over the points that can be estimated; infinite where one was not reached or there is none.
     pub expected_rmse: f64,
     /// Wall-clock time of the estimation alone.
@@ -45,6 +47,7 @@ impl Work {
         Some(Self {
             completed: parts.iter().all(|part| part.completed),
             ended,
+            failure: parts.iter().find_map(|part| part.failure.clone()),
             expected_rmse: if count > 0.0 { (squares / count).sqrt() } else { f64::INFINITY },
             seconds: parts.iter().map(|part| part.seconds).sum(),
             points: parts.iter().map(|part| part.points).sum(),
@@ -73,7 +76,17 @@ mod tests {
 
     fn part(ended: Ended, points: u64, expected_rmse: f64) -> Work {
         let completed = ended != Ended::Cancelled;
-        Work { completed, ended, expected_rmse, seconds: 1.5, points, rays: 10, cones: 1, explanation: None }
+        Work {
+            completed,
+            ended,
+            failure: (ended == Ended::Failed).then(|| "lost".into()),
+            expected_rmse,
+            seconds: 1.5,
+            points,
+            rays: 10,
+            cones: 1,
+            explanation: None,
+        }
     }
 
     #[test]
@@ -88,6 +101,8 @@ mod tests {
         assert!((all.expected_rmse - (0.25 * 0.0004 + 0.75 * 0.0036f64).sqrt()).abs() < 1e-12);
         assert_eq!(all.seconds, 4.5);
         assert!(!Work::of_parts(&[part(Ended::Cancelled, 1, 0.1)]).unwrap().completed);
+        let failed = Work::of_parts(&[part(Ended::Time, 1, 0.1), part(Ended::Failed, 1, 0.1)]).unwrap();
+        assert_eq!((failed.ended, failed.failure.as_deref()), (Ended::Failed, Some("lost")));
         assert!(Work::of_parts(&[]).is_none());
         assert_eq!(Work::of_parts(&parts[2..]).unwrap().expected_rmse, f64::INFINITY);
     }

@@ -1,4 +1,4 @@
-// The first rays of a picture, at places spread evenly: crates/estimate/src/hybrid/start.rs and spread.rs. A thread traces one ray, sixteen a unit;
+// Rays of a picture, at places spread evenly: crates/estimate/src/hybrid/start.rs and spread.rs. A thread traces one ray, sixteen a unit;
 // units that belong to one block of 16 x 16 pixels stand side by side.
 
 //#include shared/scene.wgsl
@@ -20,11 +20,12 @@ struct Lattice {
     height: u32,
     // Places from row to row.
     stride: u32,
-    // Places with rays in each block.
+    // Places of each block that get rays, from which rank on and how many.
+    first_rank: u32,
     ranks: u32,
-    pad_a: u32,
-    pad_b: u32,
-    pad_c: u32,
+    // Which unit of each place's sequence.
+    unit: u32,
+    pad: u32,
 }
 
 @group(1) @binding(0) var<uniform> lattice_plan: Lattice;
@@ -56,17 +57,19 @@ fn lattice(
     let unit = ((group.y * groups.x + group.x) * GROUP + lane) / UNIT;
     let blocks = (plan.width + (1u << BITS) - 1u) >> BITS;
     let block = unit / plan.ranks;
-    let pixel = (vec2(block % blocks, block / blocks) << vec2(BITS)) + of_rank(unit % plan.ranks);
+    let pixel = (vec2(block % blocks, block / blocks) << vec2(BITS)) + of_rank(plan.first_rank + unit % plan.ranks);
     let at = pixel.y * plan.stride + pixel.x;
     var is_asked = pixel.x < plan.width && pixel.y < plan.height;
     if is_asked {
         is_asked = places[at].sharpness > 0.0;
     }
     if is_asked {
-        send(lane, points[at], lane % UNIT, plan.seed, plan.reach, Reach(plan.distance, plan.bias, plan.falloff));
+        send(lane, points[at], plan.unit * UNIT + lane % UNIT, plan.seed, plan.reach, Reach(plan.distance, plan.bias, plan.falloff));
     }
     workgroupBarrier();
     if is_asked && lane % UNIT == 0u {
-        tallies[at] = PlaceTally(1u, mean_of_unit(lane).x, within(lane, UNIT, true), 0.0);
+        let before = tallies[at];
+        let variance = before.in_units + within(lane, UNIT, true);
+        tallies[at] = PlaceTally(before.units + 1u, before.sum + mean_of_unit(lane).x, variance, 0.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{Gpu, GpuError, clock::Clock, source};
 use bytemuck::AnyBitPattern;
-use std::sync::mpsc;
+use futures_channel::oneshot;
 
 /// Threads of a workgroup, as the shaders say.
 pub(crate) const GROUP: u32 = 64;
@@ -33,9 +33,19 @@ impl Kernel {
         scene: &wgpu::BindGroupLayout,
         asked: &[Bound],
     ) -> Result<Self, GpuError> {
+        Self::of_text(gpu, name, source(&format!("{name}.wgsl")), scene, asked)
+    }
+
+    fn of_text(
+        gpu: &Gpu,
+        name: &'static str,
+        text: String,
+        scene: &wgpu::BindGroupLayout,
+        asked: &[Bound],
+    ) -> Result<Self, GpuError> {
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(source(&format!("{name}.wgsl")).into()),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
         });
         let asked = layout(gpu, name, asked);
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -177,6 +187,15 @@ impl Gpu {
         buffer: &wgpu::Buffer,
         count: usize,
     ) -> Result<Vec<T>, GpuError> {
+        pollster::block_on(self.read_later(buffer, count))
+    }
+
+    /// The same as a future: on a page it is there once the page had its turn, elsewhere at once.
+    pub(crate) async fn read_later<T: AnyBitPattern>(
+        &self,
+        buffer: &wgpu::Buffer,
+        count: usize,
+    ) -> Result<Vec<T>, GpuError> {
         let size = buffer.size();
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("answers"),
@@ -187,10 +206,10 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
         self.queue.submit([encoder.finish()]);
-        let (tell, told) = mpsc::channel();
+        let (tell, told) = oneshot::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| _ = tell.send(result));
         self.wait()?;
-        match told.recv() {
+        match told.await {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(self.failed(e.to_string())),
             Err(_) => return Err(self.failed("it did not answer")),
@@ -198,5 +217,27 @@ impl Gpu {
         let bytes = staging.get_mapped_range(..).map_err(|e| self.failed(e.to_string()))?;
         let values = bytes[..count * size_of::<T>()].chunks_exact(size_of::<T>());
         Ok(values.map(bytemuck::pod_read_unaligned).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "needs a graphics adapter, if only a software one"]
+    fn a_shader_that_is_refused_is_told_gpu() {
+        for (from, to) in [("fn resolve", "fn resolved"), ("error = vec2", "error = vec3"), ("sum", "@")] {
+            let gpu = Gpu::open(None).unwrap();
+            let shared = layout(&gpu, "shared", &[Bound::Uniform, Bound::Read, Bound::Read]);
+            let asked = [Bound::Uniform, Bound::Read, Bound::Write, Bound::Write];
+            let of = |text| Kernel::of_text(&gpu, "resolve", text, &shared, &asked);
+            let text = source("resolve.wgsl");
+            assert!(of(text.clone()).is_ok());
+            let Err(GpuError::Failed { reason, .. }) = of(text.replace(from, to)) else {
+                panic!("{to} is taken")
+            };
+            assert!(reason.contains("resolve"), "{reason}");
+        }
     }
 }

@@ -189,10 +189,10 @@ pub fn layouts() -> Vec<StructLayout> {
             width,
             height,
             stride,
+            first_rank,
             ranks,
-            pad_a,
-            pad_b,
-            pad_c
+            unit,
+            pad
         ),
         layout!("resolve.wgsl", "Shown", ShownUniform, background, width, pad_a, pad_b),
         layout!("see.wgsl", "Place", GpuPlace, position, sharpness, normal, pad),

@@ -2,8 +2,8 @@
 //! mesa-vulkan-drivers).
 
 use conray_bvh::Bvh;
-use conray_core::{Bounds, Falloff, Geometry, Ray, SurfacePoint, Vec3};
-use conray_estimate::{AoPlan, AoSettings, Budget, Control, Hybrid, Method, RayErrors};
+use conray_core::{Bounds, Estimate, Falloff, Geometry, Ray, SurfacePoint, Vec3};
+use conray_estimate::{AoPlan, AoSettings, Backend, Budget, Control, CpuBackend, Hybrid, Method, RayErrors};
 use conray_gpu::{FrameCamera, Gpu, GpuBackend};
 use std::sync::Arc;
 
@@ -67,7 +67,7 @@ impl Bench {
         let plan = AoPlan { seed, ..self.plan.clone() };
         let mut hybrid = Hybrid::of_image(&plan, points, 0, [WIDTH, HEIGHT]);
         hybrid.refine(&plan, &self.bvh, points, Budget::rays(rays), Control::none());
-        let frames = self.device.frames(&self.plan, self.bounds, [WIDTH, HEIGHT]).unwrap();
+        let mut frames = self.device.frames(&self.plan, self.bounds, [WIDTH, HEIGHT]).unwrap();
         let found = frames.render(&self.camera, rays as f32, &hybrid.ray_errors()).unwrap();
         let (known, seen) = (frames.known().unwrap(), frames.seen(self.camera.eye).unwrap());
         let (estimates, mut squares, mut count) = (hybrid.estimates(), [0.0; 2], 0);
@@ -113,7 +113,7 @@ const INSIDE: [Vec3; 2] = [Vec3::new(0.5, 0.5, 0.9), Vec3::new(0.45, 0.3, 0.0)];
 fn what_is_seen_agrees_gpu() {
     for name in ["cornell", "atrium", "grove"] {
         let bench = Bench::built_in(name, &hybrid());
-        let frames = bench.device.frames(&bench.plan, bench.bounds, [WIDTH, HEIGHT]).unwrap();
+        let mut frames = bench.device.frames(&bench.plan, bench.bounds, [WIDTH, HEIGHT]).unwrap();
         frames.render(&bench.camera, 0.1, &RayErrors::UNKNOWN).unwrap();
         let seen = frames.seen(bench.camera.eye).unwrap();
         let points = bench.points();
@@ -147,10 +147,37 @@ fn pictures_agree_gpu() {
 #[ignore = "needs a graphics adapter, if only a software one"]
 fn a_camera_that_sees_nothing_gpu() {
     let bench = Bench::built_in("cornell", &hybrid());
-    let frames = bench.device.frames(&bench.plan, bench.bounds, [1, 1]).unwrap();
+    let mut frames = bench.device.frames(&bench.plan, bench.bounds, [1, 1]).unwrap();
     let away = FrameCamera { eye: bench.bounds.max + Vec3::splat(9.0), forward: Vec3::Y, ..bench.camera };
     let found = frames.render(&away, 4.0, &RayErrors::UNKNOWN).unwrap();
     assert_eq!((found.points, found.expected_rmse), (0, 0.0));
     assert_eq!(frames.known().unwrap(), [None]);
     assert_eq!(frames.picture().unwrap(), [0]);
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, if only a software one"]
+fn more_rays_come_to_the_truth_gpu() {
+    let bench = Bench::built_in("cornell", &hybrid());
+    let points = bench.points();
+    let plan = AoPlan { seed: 4711, method: Method::Rays, ..bench.plan.clone() };
+    let mut truth = vec![Estimate::PENDING; points.len()];
+    let cpu = CpuBackend::new(Arc::new(bench.bvh), None);
+    cpu.estimate(&plan, 0..2048, &points, &mut truth, Control::none()).unwrap();
+    let mut frames = bench.device.frames(&bench.plan, bench.bounds, [WIDTH, HEIGHT]).unwrap();
+    let mut found = frames.render(&bench.camera, 1.0, &RayErrors::UNKNOWN).unwrap();
+    let mut rmses = Vec::new();
+    for _ in 0..12 {
+        let known = frames.known().unwrap();
+        let off = |(truth, point): (&Estimate, &SurfacePoint)| {
+            let [value, _] = known[point.id as usize].unwrap();
+            f64::from(value - truth.visibility).powi(2)
+        };
+        let rmse = (truth.iter().zip(&points).map(off).sum::<f64>() / points.len() as f64).sqrt();
+        eprintln!("{} rays: RMSE {rmse:.4}, expected {:.4}", found.rays, found.expected_rmse);
+        assert!((0.6..1.5).contains(&(found.expected_rmse / rmse)), "{} of {rmse}", found.expected_rmse);
+        rmses.push(rmse);
+        found = frames.refine(&RayErrors::UNKNOWN).unwrap();
+    }
+    assert!(rmses.windows(2).all(|w| w[1] < 1.02 * w[0]) && rmses[11] < 0.25 * rmses[0], "{rmses:?}");
 }

@@ -185,6 +185,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
     let Some(work) = Work::of_parts(&baked.parts) else {
         return Err(Failure::Input(format!("{}: no surface reads a map", model.display())));
     };
+    explain::stop_if_nothing(&work)?;
     for (sheet, overlap) in sheets.sheets.iter().zip(&baked.overlaps).filter(|(_, overlap)| **overlap >= 1.0)
     {
         let message =
@@ -210,6 +211,7 @@ fn bake(args: &BakeArgs, interrupted: &AtomicBool, reporter: &Reporter) -> Resul
         reporter,
     });
     stop_if(interrupted, "what was done by then has been written")?;
+    explain::stop_if_failed(&work)?;
     explain::check(args.ao.strict, missed)
 }
 

@@ -69,6 +69,7 @@ pub(super) fn run(
     let Some(work) = Work::of_parts(&baked.parts).filter(|work| work.points > 0) else {
         return Err(Failure::Input(format!("{}: no surface has an area", args.model().display())));
     };
+    explain::stop_if_nothing(&work)?;
     let visibility = &baked.values.visibility;
     let mean = visibility.iter().map(|&value| f64::from(value)).sum::<f64>() / visibility.len() as f64;
     if let Some(preview) = &args.preview {
@@ -111,6 +112,7 @@ pub(super) fn run(
     facts["job"] = job::given();
     reporter.summary(&lines, facts);
     stop_if(interrupted, "what was done by then has been written")?;
+    explain::stop_if_failed(&work)?;
     explain::check(args.ao.strict, missed)
 }
 

@@ -12,7 +12,7 @@ const RAYS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// A picture of so many rays a pixel.
 fn picture(
     stage: &Stage,
-    frames: &Frames<'_>,
+    frames: &mut Frames<'_>,
     camera: &FrameCamera,
     errors: &RayErrors,
     rays: f32,
@@ -47,10 +47,10 @@ pub(crate) fn fewest(
     truth: &[Estimate],
 ) -> Result<(f32, Run), Box<dyn Error>> {
     let plan = stage.plan(Method::Hybrid, 1)?;
-    let frames = stage.device.frames(&plan, stage.bounds, stage.size)?;
+    let mut frames = stage.device.frames(&plan, stage.bounds, stage.size)?;
     let [right, up, forward] = camera.basis();
     let camera = FrameCamera { eye: camera.eye(), right, up, forward, pixel_side: camera.pixel_side() };
-    let of = |rays: f32| picture(stage, &frames, &camera, errors, rays, points);
+    let mut of = |rays: f32| picture(stage, &mut frames, &camera, errors, rays, points);
     for rays in RAYS {
         if rays == RAYS[RAYS.len() - 1] || rmse(&of(rays)?.estimates, truth) <= f64::from(error) {
             return Ok((rays, median(repeats, || of(rays))?));

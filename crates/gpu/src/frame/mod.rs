@@ -6,8 +6,12 @@
 //!
 //! One submission a picture and nothing handed back but the error: for those who look while a camera moves. Below eight rays a pixel all rays of the method
 //! are first rays, so up to there a picture is what [`conray_estimate::Hybrid`] makes of as many; how rays err is told instead of
-//! found out, and the length in which places are told is that of the scene.
+//! found out, and the length in which places are told is that of the scene. Further rays go everywhere alike.
+//!
+//! What waits for the device is there twice: for a thread that may block, and as a future for a page, which may not.
 
+mod passes;
+mod read;
 mod structs;
 
 use crate::{
@@ -15,20 +19,16 @@ use crate::{
     backend::absent,
     kernel::{Bound, GROUP, Kernel, Steps},
     points::{AoUniform, GpuPoint},
-    weighing::{GpuPlace, Weigher, WeighingUniform},
+    weighing::{Weigher, WeighingUniform},
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use conray_core::{Bounds, LANES, Vec3};
 use conray_estimate::{AoPlan, HybridConstants, Method, RayErrors};
+use passes::{Pass, UNIT};
 pub(crate) use structs::{CameraUniform, LatticeUniform, ShownUniform};
 
-/// Pixels on each side of a block of the lattice, and of a workgroup that sees.
-const BLOCK: u32 = 16;
+/// Pixels on each side of a workgroup that sees.
 const SEEN: u32 = 8;
-/// Rays of a unit.
-const UNIT: u32 = 16;
-/// Places of a block.
-const RANKS: u32 = BLOCK * BLOCK;
 
 /// Where a pinhole camera stands: unit vectors to the right, up and into the picture, and the side of a pixel on the plane at unit depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ pub struct FrameFound {
     pub expected_rmse: f64,
     /// How many those are.
     pub points: u64,
-    /// Rays traced from them, at most.
+    /// Rays traced for it so far, at most: of places that see nothing there are none.
     pub rays: u64,
 }
 
@@ -72,6 +72,9 @@ pub struct Frames<'a> {
     size: [u32; 3],
     /// The length in which places are told.
     unit: f32,
+    /// The last rays, and those of all passes of the picture.
+    last: Pass,
+    rays: u64,
     weigher: Weigher<'a>,
     camera: wgpu::Buffer,
     lattice: wgpu::Buffer,
@@ -95,12 +98,6 @@ impl FrameKernels {
             resolve: Kernel::new(gpu, "resolve", weighed, &[Uniform, Read, Write, Write])?,
         })
     }
-}
-
-/// Ranks of a block below which a lattice of so many rays a pixel has rays.
-fn ranks(rays_per_pixel: f32) -> u32 {
-    let part = (rays_per_pixel / UNIT as f32).max(1.0 / RANKS as f32);
-    (0..RANKS).filter(|&rank| (rank as f32 + 0.5) / (RANKS as f32) < part).count() as u32
 }
 
 impl GpuBackend {
@@ -128,6 +125,8 @@ impl GpuBackend {
             plan: plan.clone(),
             size,
             unit: if unit > 0.0 && unit.is_finite() { unit } else { 1.0 },
+            last: Pass::first(0.0),
+            rays: 0,
             weigher,
             camera: gpu.buffer("camera", bytes_of(&CameraUniform::zeroed()), uniform)?,
             lattice: gpu.buffer("lattice", bytes_of(&LatticeUniform::zeroed()), uniform)?,
@@ -147,86 +146,77 @@ impl Frames<'_> {
     /// # Errors
     /// A device that fails.
     pub fn render(
-        &self,
+        &mut self,
         camera: &FrameCamera,
         rays_per_pixel: f32,
+        errors: &RayErrors,
+    ) -> Result<FrameFound, GpuError> {
+        pollster::block_on(self.render_later(camera, rays_per_pixel, errors))
+    }
+
+    /// The same as a future.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub async fn render_later(
+        &mut self,
+        camera: &FrameCamera,
+        rays_per_pixel: f32,
+        errors: &RayErrors,
+    ) -> Result<FrameFound, GpuError> {
+        (self.last, self.rays) = (Pass::first(rays_per_pixel), 0);
+        self.pass(Some(camera), errors).await
+    }
+
+    /// Adds rays to the picture that was made last: as many as it has, until every pixel has sixteen, then as many again each time.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub fn refine(&mut self, errors: &RayErrors) -> Result<FrameFound, GpuError> {
+        pollster::block_on(self.refine_later(errors))
+    }
+
+    /// The same as a future.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub async fn refine_later(&mut self, errors: &RayErrors) -> Result<FrameFound, GpuError> {
+        self.last = self.last.next();
+        self.pass(None, errors).await
+    }
+
+    /// Sees anew where a camera is given, traces the last pass, and weighs and shows all.
+    async fn pass(
+        &mut self,
+        camera: Option<&FrameCamera>,
         errors: &RayErrors,
     ) -> Result<FrameFound, GpuError> {
         let gpu = self.backend.gpu();
         let scene = &self.backend.rays.as_ref().ok_or_else(|| absent(Method::Hybrid))?.scene;
         let [width, height, stride] = self.size;
-        let ranks = ranks(rays_per_pixel);
-        gpu.write(&self.camera, &[CameraUniform::new(camera, self.size, self.unit)])?;
-        gpu.write(&self.lattice, &[LatticeUniform::new(&self.plan, self.size, ranks)])?;
+        gpu.write(&self.lattice, &[LatticeUniform::new(&self.plan, self.size, &self.last)])?;
         self.weigher.set_rays(errors)?;
         let b = &self.weigher.buffers;
         let mut steps = Steps::new(gpu);
-        let seen = [&self.camera, &self.normals, &b.places, &self.points, &b.tallies];
-        steps.add(&self.kernels.see, &scene.bindings, &seen, stride / SEEN * height.div_ceil(SEEN))?;
-        let units = width.div_ceil(BLOCK) * height.div_ceil(BLOCK) * ranks;
+        if let Some(camera) = camera {
+            gpu.write(&self.camera, &[CameraUniform::new(camera, self.size, self.unit)])?;
+            let seen = [&self.camera, &self.normals, &b.places, &self.points, &b.tallies];
+            let groups = stride / SEEN * height.div_ceil(SEEN);
+            steps.add(&self.kernels.see, &scene.bindings, &seen, groups)?;
+        }
+        let units = self.last.units([width, height]);
         let asked = [&self.lattice, &b.places, &self.points, &b.tallies];
         steps.add(&self.kernels.lattice, &scene.bindings, &asked, units.div_ceil(GROUP / UNIT))?;
         self.weigher.add_to(&mut steps)?;
-        let shown = [&self.shown, &b.known, &self.picture, &self.parts];
-        steps.add(&self.kernels.resolve, &self.weigher.shared, &shown, (stride * height).div_ceil(GROUP))?;
+        let (shown, parts) =
+            ([&self.shown, &b.known, &self.picture, &self.parts], (stride * height).div_ceil(GROUP));
+        steps.add(&self.kernels.resolve, &self.weigher.shared, &shown, parts)?;
         steps.finish()?;
-        let parts: Vec<[f32; 2]> = gpu.read(&self.parts, (stride * height).div_ceil(GROUP) as usize)?;
+        let parts: Vec<[f32; 2]> = gpu.read_later(&self.parts, parts as usize).await?;
         let sum = |k: usize| parts.iter().map(|part| f64::from(part[k])).sum::<f64>();
         let points = sum(1);
-        Ok(FrameFound {
-            expected_rmse: (sum(0) / points.max(1.0)).sqrt(),
-            points: points as u64,
-            rays: u64::from(units * UNIT),
-        })
-    }
-
-    /// The picture, row by row: visibility as grey of eight bits a channel, the first of them lowest; 0 where nothing is seen.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub fn picture(&self) -> Result<Vec<u32>, GpuError> {
-        let [width, height, _] = self.size;
-        self.backend.gpu().read(&self.picture, (width * height) as usize)
-    }
-
-    /// Visibility and expected error of each pixel, row by row; none where nothing is seen.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub fn known(&self) -> Result<Vec<Option<[f32; 2]>>, GpuError> {
-        let [width, height, stride] = self.size;
-        let count = (stride * height) as usize;
-        let known: Vec<[f32; 4]> = self.backend.gpu().read(&self.weigher.buffers.known, count)?;
-        let places: Vec<GpuPlace> = self.backend.gpu().read(&self.weigher.buffers.places, count)?;
-        let pixel = |k: u32| {
-            let at = (k / width * stride + k % width) as usize;
-            (places[at].sharpness > 0.0).then(|| [known[at][0], known[at][1].sqrt()])
-        };
-        Ok((0..width * height).map(pixel).collect())
-    }
-
-    /// What is seen of each pixel, row by row: position and shading normal; none where that is nothing.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub fn seen(&self, eye: Vec3) -> Result<Vec<Option<[Vec3; 2]>>, GpuError> {
-        let [width, height, stride] = self.size;
-        let count = (stride * height) as usize;
-        let places: Vec<GpuPlace> = self.backend.gpu().read(&self.weigher.buffers.places, count)?;
-        let pixel = |k: u32| {
-            let place = &places[(k / width * stride + k % width) as usize];
-            (place.sharpness > 0.0).then(|| [eye + self.unit * place.position, place.normal])
-        };
-        Ok((0..width * height).map(pixel).collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn so_many_places_of_a_block_have_rays() {
-        assert_eq!([0.0, 1.0 / 16.0, 1.0, 4.0, 16.0].map(ranks), [1, 1, 16, 64, 256]);
+        self.rays += u64::from(units) * u64::from(UNIT);
+        let expected_rmse = (sum(0) / points.max(1.0)).sqrt();
+        Ok(FrameFound { expected_rmse, points: points as u64, rays: self.rays })
     }
 }

@@ -1,6 +1,6 @@
 //! What the kernels of a picture read: twins of shaders/see.wgsl, lattice.wgsl and resolve.wgsl.
 
-use super::FrameCamera;
+use super::{FrameCamera, passes::Pass};
 use crate::points::falloff_number;
 use bytemuck::{Pod, Zeroable};
 use conray_core::{Vec3, hash_u32};
@@ -31,7 +31,7 @@ impl CameraUniform {
     }
 }
 
-/// The first rays of a picture.
+/// Rays of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LatticeUniform {
@@ -43,14 +43,14 @@ pub(crate) struct LatticeUniform {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) stride: u32,
+    pub(crate) first_rank: u32,
     pub(crate) ranks: u32,
-    pub(crate) pad_a: u32,
-    pub(crate) pad_b: u32,
-    pub(crate) pad_c: u32,
+    pub(crate) unit: u32,
+    pub(crate) pad: u32,
 }
 
 impl LatticeUniform {
-    pub(super) fn new(plan: &AoPlan, [width, height, stride]: [u32; 3], ranks: u32) -> Self {
+    pub(super) fn new(plan: &AoPlan, [width, height, stride]: [u32; 3], pass: &Pass) -> Self {
         Self {
             distance: plan.distance.min(f32::MAX),
             reach: plan.reach,
@@ -60,8 +60,10 @@ impl LatticeUniform {
             width,
             height,
             stride,
-            ranks,
-            ..Self::zeroed()
+            first_rank: pass.ranks.start,
+            ranks: pass.ranks.len() as u32,
+            unit: pass.unit,
+            pad: 0,
         }
     }
 }
