@@ -57,8 +57,9 @@ use conray_core::{Estimate, SurfacePoint};
 use costs::Costs;
 use pixels::{NO_POINT, Pixels};
 use rayon::prelude::*;
-use std::{borrow::Cow, time::Instant};
+use std::borrow::Cow;
 use tallies::{Rays, Tally, UNIT};
+use web_time::Instant;
 use weigh::{Known, Weigher};
 
 /// A target under work by method `hybrid`: refined as often as one likes, the same points handed in each time.
