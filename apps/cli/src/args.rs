@@ -52,6 +52,16 @@ pub(crate) enum Command {
     /// Compares the visibility of two EXR images
     #[command(after_help = EXIT_CODES)]
     Compare(CompareArgs),
+    /// Opens a window that shows the ambient occlusion of a scene while it converges
+    #[command(after_help = EXIT_CODES, disable_help_flag = true)]
+    View(ViewArgs),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ViewArgs {
+    /// A scene and options of the program conray-viewer, to which this hands over; --help lists them
+    #[arg(value_name = "WORD", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub(crate) words: Vec<std::ffi::OsString>,
 }
 
 #[derive(Args, Debug)]

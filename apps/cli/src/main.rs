@@ -12,6 +12,7 @@ mod render;
 mod report;
 mod sample;
 mod study;
+mod view;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
@@ -42,6 +43,10 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::View(args) => match view::run(&args) {
+            Ok(code) => return code,
+            Err(failure) => Err(failure),
+        },
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -30,9 +30,13 @@
 mod device;
 mod error;
 mod events;
+mod looking;
 mod passes;
+mod refinement;
 mod session;
+mod shared;
 mod state;
+mod threads;
 mod together;
 mod work;
 
@@ -57,5 +61,7 @@ pub use conray_gpu as gpu;
 pub use device::Device;
 pub use error::Error;
 pub use events::{Event, Observer, Stage};
+pub use looking::RayView;
+pub use refinement::Refinement;
 pub use session::{BuildReport, Session, SessionOptions};
 pub use work::{Outcome, Work};

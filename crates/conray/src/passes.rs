@@ -56,31 +56,10 @@ impl Session {
     ) -> Result<Outcome, Error> {
         let budget = if plan.method.has_budget() { plan.budget } else { Budget::rays(1) };
         let meter = Meter::new(control, budget.seconds);
-        let mut work =
-            Passes { estimates: vec![Estimate::PENDING; points.len()], samples: 0, rounds: Vec::new() };
-        let mut failure = None;
-        let ended = loop {
-            let wanted = work.wanted(&budget, &meter);
-            if control.is_cancelled() {
-                break Ended::Cancelled;
-            }
-            if work.samples > 0 && budget.error.is_some_and(|goal| work.rmse() <= f64::from(goal)) {
-                break Ended::Error;
-            }
-            let Some(range) = next_pass(work.samples, wanted, budget.rays) else {
-                break match work.samples == budget.rays {
-                    true if !plan.method.has_budget() => Ended::Done,
-                    true => Ended::Rays,
-                    false => Ended::Time,
-                };
-            };
-            match self.pass(plan, &mut work, range, wanted.min(budget.rays.into()), points, &meter) {
-                Err(BackendError::Device(reason)) => {
-                    failure = Some(reason);
-                    break Ended::Failed;
-                }
-                done => done?,
-            }
+        let mut work = Passes { whole_only: false, ..Passes::of_whole_passes(points.len()) };
+        let (ended, failure) = match self.passes_until(plan, &mut work, budget, points, &meter) {
+            Err(Error::Backend(BackendError::Device(reason))) => (Ended::Failed, Some(reason)),
+            ended => (ended?, None),
         };
         meter.finish();
         let reached = work.estimates.iter().filter(|e| !e.is_pending()).count() as u64;
@@ -97,6 +76,35 @@ impl Session {
             explanation: plan.method.has_budget().then(|| work.explanation(&budget)),
         };
         Ok(Outcome { estimates: work.estimates, work: done })
+    }
+
+    /// Carries out passes until the budget is spent, and says what ended them. Rays of the budget are those of all passes, its seconds those of the
+    /// meter.
+    pub(crate) fn passes_until(
+        &self,
+        plan: &AoPlan,
+        work: &mut Passes,
+        budget: Budget,
+        points: &[SurfacePoint],
+        meter: &Meter<'_>,
+    ) -> Result<Ended, Error> {
+        loop {
+            let wanted = work.wanted(&budget, meter);
+            if meter.control.is_cancelled() {
+                return Ok(Ended::Cancelled);
+            }
+            if work.samples > 0 && budget.error.is_some_and(|goal| work.rmse() <= f64::from(goal)) {
+                return Ok(Ended::Error);
+            }
+            let Some(range) = next_pass(work.samples, wanted, budget.rays) else {
+                return Ok(match work.samples >= budget.rays {
+                    true if !plan.method.has_budget() => Ended::Done,
+                    true => Ended::Rays,
+                    false => Ended::Time,
+                });
+            };
+            self.pass(plan, work, range, wanted.min(budget.rays.into()), points, meter)?;
+        }
     }
 
     /// Carries out one pass and adds it to those before.
@@ -119,6 +127,9 @@ impl Session {
         };
         let control = Control { progress: &progress, ..meter.control };
         let told = self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control));
+        if work.whole_only && (told.is_err() || control.is_cancelled()) {
+            return told;
+        }
         for (all, pass) in work.estimates.iter_mut().zip(&found) {
             *all = merge(all, before, pass, now);
         }
@@ -133,14 +144,22 @@ impl Session {
 }
 
 /// Passes done so far.
-struct Passes {
-    estimates: Vec<Estimate>,
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub(crate) estimates: Vec<Estimate>,
+    /// True where a pass that is interrupted leaves no trace, so that it can be done again.
+    whole_only: bool,
     /// Samples of each point.
     samples: u32,
     rounds: Vec<Round>,
 }
 
 impl Passes {
+    /// None yet, over so many points.
+    pub(crate) fn of_whole_passes(points: usize) -> Self {
+        Self { estimates: vec![Estimate::PENDING; points], whole_only: true, samples: 0, rounds: Vec::new() }
+    }
+
     /// Samples a point at which time or error will be met, as far as can be told.
     fn wanted(&self, budget: &Budget, meter: &Meter<'_>) -> f64 {
         let Some(last) = self.rounds.last() else { return f64::INFINITY };
@@ -156,7 +175,7 @@ impl Passes {
     }
 
     /// Expected RMSE over the points that can be estimated.
-    fn rmse(&self) -> f64 {
+    pub(crate) fn rmse(&self) -> f64 {
         let valid = self.estimates.iter().filter(|e| e.is_pending() || e.error.is_finite());
         let (sum, count) =
             valid.fold((0.0, 0u64), |(sum, count), e| (sum + f64::from(e.error).powi(2), count + 1));

@@ -3,13 +3,15 @@
 use crate::{
     Device, Error, Event, Observer, Outcome, Stage,
     device::{Chosen, Parts},
+    threads::Threads,
 };
 use conray_bvh::Bvh;
 use conray_core::{Bounds, Estimate, Geometry, SurfacePoint, Vec2, Vec3, View};
 use conray_estimate::{Alpha, AoPlan, AoSettings, Backend, BackendError, Control, SettingsError};
 use conray_target::{Camera, CameraTarget};
 use conray_voxel::{Octree, OctreeOptions};
-use std::{ops::Range, sync::Arc, time::Instant};
+use std::{ops::Range, sync::Arc};
+use web_time::Instant;
 
 /// How a session works; nothing here changes a result by more than rounding.
 #[derive(Clone, Debug, Default)]
@@ -47,8 +49,11 @@ pub struct Session {
     pub(crate) bvh: Arc<Bvh>,
     pub(crate) octree: Option<Arc<Octree>>,
     pub(crate) backend: Arc<dyn Backend>,
-    pub(crate) pool: Arc<rayon::ThreadPool>,
-    report: BuildReport,
+    pub(crate) pool: Threads,
+    pub(crate) options: SessionOptions,
+    /// Voxels and memory that the octree was asked for with.
+    pub(crate) octree_of: (u32, Option<u64>),
+    pub(crate) report: BuildReport,
 }
 
 impl Session {
@@ -69,11 +74,7 @@ impl Session {
     ) -> Result<Self, Error> {
         let bounds = geometry.bounds();
         let plan = AoPlan::new(settings, bounds)?;
-        let threads = options.threads;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| Error::Threads { threads, reason: e.to_string() })?;
+        let pool = Threads::start(options.threads)?;
         if settings.alpha == Alpha::Opaque {
             geometry.make_opaque();
         }
@@ -81,27 +82,11 @@ impl Session {
         let (bvh, bvh_seconds) =
             timed(Stage::Bvh, observer, || pool.install(|| Bvh::build(Arc::clone(&geometry))))?;
         let mut report = BuildReport { bvh_seconds, bvh_bytes: bvh.memory_bytes(), ..Default::default() };
-        let octree_bytes = memory_left(settings, report.bvh_bytes + geometry_bytes(&geometry))?;
         let octree = if settings.method.needs_octree() {
-            let options = OctreeOptions {
-                resolution: settings.voxels,
-                max_memory_bytes: octree_bytes,
-                ..OctreeOptions::default()
-            };
-            let (octree, seconds) =
-                timed(Stage::Octree, observer, || pool.install(|| Octree::build(&geometry, &options)))?;
-            report.octree_seconds = seconds;
-            report.octree_bytes = octree.memory_bytes();
-            report.voxels = octree.resolution();
-            if report.voxels < settings.voxels {
-                let message = format!(
-                    "the octree has {} voxels along the longest side instead of {}, to stay within the memory allowed",
-                    report.voxels, settings.voxels
-                );
-                observer(Event::Warning { message });
-            }
-            Some(Arc::new(octree))
+            Some(build_octree(&geometry, &pool, settings, observer, &mut report)?)
         } else {
+            // Whether there would be room for one is told before any work.
+            memory_left(settings, report.bvh_bytes + geometry_bytes(&geometry))?;
             None
         };
         let bvh = Arc::new(bvh);
@@ -109,7 +94,8 @@ impl Session {
         let Chosen { backend, place } =
             pool.install(|| parts.choose(options.device, options.adapter.as_deref()))?;
         report.device = place;
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool: Arc::new(pool), report })
+        let (options, octree_of) = (options.clone(), (settings.voxels, settings.max_memory));
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, options, octree_of, report })
     }
 
     /// A session of some instances alone, on the CPU, with the same plan and threads; its octree has as many leaves along its longest side as that of the
@@ -142,8 +128,10 @@ impl Session {
         let parts = Parts { plan: &self.plan, geometry: &geometry, bvh: &bvh, octree: &octree };
         let Chosen { backend, place } = parts.choose(Device::Cpu, None)?;
         report.device = place;
-        let (bounds, plan, pool) = (geometry.bounds(), self.plan.clone(), Arc::clone(&self.pool));
-        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, report })
+        let (bounds, plan, pool) = (geometry.bounds(), self.plan.clone(), self.pool.clone());
+        let options = SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() };
+        let octree_of = self.octree_of;
+        Ok(Self { geometry, bounds, plan, bvh, octree, backend, pool, options, octree_of, report })
     }
 
     /// Bytes of the scene and of what was built for it.
@@ -241,7 +229,7 @@ impl Session {
 
     /// How many threads the session works on.
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.pool.count()
     }
 
     /// The other settings of this session with the structures already built.
@@ -255,6 +243,31 @@ impl Session {
         self.plan = AoPlan::new(settings, self.bounds)?;
         Ok(())
     }
+}
+
+/// The octree that the settings ask for, told in the report.
+pub(crate) fn build_octree(
+    geometry: &Geometry,
+    pool: &Threads,
+    settings: &AoSettings,
+    observer: Observer<'_>,
+    report: &mut BuildReport,
+) -> Result<Arc<Octree>, Error> {
+    let max_memory_bytes = memory_left(settings, report.bvh_bytes + geometry_bytes(geometry))?;
+    let options = OctreeOptions { resolution: settings.voxels, max_memory_bytes, ..OctreeOptions::default() };
+    let (octree, seconds) =
+        timed(Stage::Octree, observer, || pool.install(|| Octree::build(geometry, &options)))?;
+    report.octree_seconds = seconds;
+    report.octree_bytes = octree.memory_bytes();
+    report.voxels = octree.resolution();
+    if report.voxels < settings.voxels {
+        let message = format!(
+            "the octree has {} voxels along the longest side instead of {}, to stay within the memory allowed",
+            report.voxels, settings.voxels
+        );
+        observer(Event::Warning { message });
+    }
+    Ok(Arc::new(octree))
 }
 
 /// What is left of the memory allowed once the scene and its BVH are there; `None` without a limit.

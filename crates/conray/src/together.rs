@@ -4,7 +4,8 @@ use crate::{Error, Outcome, Session, Work};
 use conray_core::{Layout, SurfacePoint};
 use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Method};
 use conray_target::Target;
-use std::{path::Path, time::Instant};
+use std::path::Path;
+use web_time::Instant;
 
 /// Scattered points that share: fewer make no surface,
 const FEWEST_POINTS: usize = 256;

@@ -1,10 +1,8 @@
 //! Progress in thousandths of a budget, whatever the budget counts.
 
 use crate::Control;
-use std::{
-    sync::atomic::{AtomicU64, Ordering},
-    time::Instant,
-};
+use std::sync::atomic::{AtomicU64, Ordering};
+use web_time::Instant;
 
 /// Units of progress of a whole budget.
 pub const PROGRESS_UNITS: u64 = 1000;

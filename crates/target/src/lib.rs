@@ -50,7 +50,7 @@ pub use atomic::{check_writable, write_atomically};
 pub use camera::{Camera, MAX_PIXELS, MAX_SIDE_PX};
 pub use camera_target::CameraTarget;
 pub use error::{Fault, TargetError};
-pub use exr::{ExrImage, read_exr_channels, write_exr};
+pub use exr::{ExrImage, decode_exr_channels, encode_exr, read_exr_channels, write_exr};
 pub use layers::{Channel, Layers};
 pub use metrics::{Metrics, compare};
 pub use ply::{MAX_POINTS, PlyError, PointValues, PointsTarget, Skipped};

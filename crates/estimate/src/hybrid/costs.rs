@@ -7,7 +7,7 @@ use super::{
     tallies::{FULL, UNIT},
 };
 use rayon::prelude::*;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Points of the timed pilot, spread over the target; more where there are many threads.
 const POINTS: usize = 256;

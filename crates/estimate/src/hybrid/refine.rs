@@ -10,10 +10,8 @@ use crate::{AoPlan, Budget, Choice, Control, Ended, Meter, Round};
 use conray_bvh::Bvh;
 use conray_core::SurfacePoint;
 use rayon::prelude::*;
-use std::{
-    sync::atomic::{AtomicU64, Ordering},
-    time::Instant,
-};
+use std::sync::atomic::{AtomicU64, Ordering};
+use web_time::Instant;
 
 /// Below a unit of rays for so many points it is early.
 const EARLY: u64 = 8;

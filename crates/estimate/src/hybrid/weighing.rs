@@ -7,7 +7,8 @@ use super::{
 };
 use crate::BackendError;
 use conray_bvh::Level;
-use std::{borrow::Cow, time::Instant};
+use std::borrow::Cow;
+use web_time::Instant;
 
 /// What is known of places without a ray: rows of an image, or points of no image laid out as one.
 #[derive(Clone, Copy, Debug)]

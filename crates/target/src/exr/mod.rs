@@ -9,8 +9,8 @@ mod block;
 mod read;
 mod write;
 
-pub use read::{ExrImage, read_exr_channels};
-pub use write::write_exr;
+pub use read::{ExrImage, decode_exr_channels, read_exr_channels};
+pub use write::{encode_exr, write_exr};
 
 /// First four bytes of every file.
 const MAGIC: [u8; 4] = 20_000_630u32.to_le_bytes();

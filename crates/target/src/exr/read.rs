@@ -36,6 +36,14 @@ pub fn read_exr_channels(path: impl AsRef<Path>) -> Result<ExrImage, TargetError
     decode(&input::read_file(path)?).map_err(|problem| TargetError::Image { path: path.into(), problem })
 }
 
+/// The same of bytes; `name` stands for the file in messages.
+///
+/// # Errors
+/// [`TargetError::Image`] where they are no such image.
+pub fn decode_exr_channels(name: &str, bytes: &[u8]) -> Result<ExrImage, TargetError> {
+    decode(bytes).map_err(|problem| TargetError::Image { path: name.into(), problem })
+}
+
 pub(super) fn decode(bytes: &[u8]) -> Result<ExrImage, String> {
     let mut cursor = Cursor { bytes, at: 0 };
     let header = Header::read(&mut cursor)?;

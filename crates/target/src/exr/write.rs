@@ -22,6 +22,23 @@ pub fn write_exr(
     layers: &Layers,
     settings: &[(String, String)],
 ) -> Result<(), TargetError> {
+    let image = image(layers, settings)?;
+    write_atomically(path, |w| image.encode(w))
+}
+
+/// The bytes that [`write_exr`] writes, for those who have no files.
+///
+/// # Errors
+/// As of [`write_exr`] for settings.
+pub fn encode_exr(layers: &Layers, settings: &[(String, String)]) -> Result<Vec<u8>, TargetError> {
+    let image = image(layers, settings)?;
+    let mut bytes = Vec::new();
+    let written = image.encode(&mut bytes);
+    written.map_err(|source| TargetError::Output { path: "image.exr".into(), source })?;
+    Ok(bytes)
+}
+
+fn image<'a>(layers: &'a Layers, settings: &'a [(String, String)]) -> Result<Image<'a>, TargetError> {
     let attributes = attributes(settings)?;
     let mut channels: Vec<(&str, &[f32])> = Vec::new();
     for channel in layers.channels() {
@@ -30,8 +47,7 @@ pub fn write_exr(
     }
     // The format asks for channels in the order of their names.
     channels.sort_by_key(|&(name, _)| name);
-    let image = Image { width: layers.width(), height: layers.height(), channels, attributes };
-    write_atomically(path, |w| image.encode(w))
+    Ok(Image { width: layers.width(), height: layers.height(), channels, attributes })
 }
 
 fn attributes(settings: &[(String, String)]) -> Result<Vec<(String, &str)>, TargetError> {

@@ -9,6 +9,7 @@ mod container;
 mod data;
 mod images;
 mod materials;
+#[cfg_attr(target_arch = "wasm32", path = "no_meshopt.rs")]
 mod meshopt;
 mod nodes;
 mod normal_maps;

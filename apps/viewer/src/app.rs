@@ -1,0 +1,403 @@
+//! The application: takes in what has come, lays the window out, and wishes for what was chosen.
+
+use crate::{
+    camera::Look,
+    choices::Choices,
+    engine::{Fault, Order, Question, SceneFacts, Source, Wish},
+    host::Host,
+    panels,
+    picture::Canvas,
+    shown::{Shown, Then},
+};
+use std::sync::Arc;
+
+/// What the viewer begins with.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// The scene; the built-in `cornell` unless another is named.
+    pub source: Option<Source>,
+    /// The name of a view of it.
+    pub view: Option<String>,
+    /// A camera by its numbers, instead of a view.
+    pub look: Option<Look>,
+    /// All else.
+    pub choices: Choices,
+    /// Shows the octree's nodes of that level.
+    pub boxes: Option<u32>,
+    /// A pixel to be probed once there is a picture, as shares of its width and height.
+    pub probe: Option<[f32; 2]>,
+    /// Finds the truth by so many rays a pixel once there is a picture.
+    pub truth: Option<u32>,
+}
+
+/// The viewer's window, whoever shows it.
+pub struct Viewer {
+    host: Box<dyn Host>,
+    pub(crate) choices: Choices,
+    pub(crate) shown: Shown,
+    pub(crate) canvas: Canvas,
+    pub(crate) fields: panels::Fields,
+    source: Source,
+    last_number: u64,
+    /// A view's name or a camera that the next scene is to be seen by.
+    start_view: Option<String>,
+    start_look: Option<Look>,
+    last_wish: Option<Wish>,
+    /// A wish is sent again where the engine began anew.
+    boxes_asked: Option<(u64, u32)>,
+    start: Start,
+}
+
+impl Viewer {
+    /// A viewer over an engine; it opens the first scene at once.
+    pub fn new(host: Box<dyn Host>, start: Start) -> Self {
+        let source = start.source.clone().unwrap_or_else(|| Source::Builtin("cornell".into()));
+        let mut viewer = Self {
+            host,
+            choices: start.choices.clone(),
+            shown: Shown::default(),
+            canvas: Canvas::default(),
+            fields: panels::Fields::of(&source, start.boxes),
+            source: source.clone(),
+            last_number: 0,
+            start_view: start.view.clone(),
+            start_look: start.look,
+            last_wish: None,
+            boxes_asked: None,
+            start,
+        };
+        viewer.open(source);
+        viewer
+    }
+
+    /// Opens a scene; what is shown stays until it is there.
+    pub(crate) fn open(&mut self, source: Source) {
+        self.last_number += 1;
+        self.source = source.clone();
+        self.host.order(Order::Open(self.last_number, source));
+    }
+
+    /// Asks about what is shown.
+    pub(crate) fn ask(&self, question: Question) {
+        self.host.order(Order::Ask(question));
+    }
+
+    /// What the truth of the present wish is called; empty before the first.
+    pub(crate) fn truth_key(&self) -> String {
+        self.last_wish.as_ref().map(Choices::truth_key).unwrap_or_default()
+    }
+
+    /// The newest wish.
+    pub(crate) fn wish(&self) -> Option<&Wish> {
+        self.last_wish.as_ref()
+    }
+
+    /// One frame.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        self.take_reports();
+        self.take_dropped(ui.ctx());
+        panels::keys(self, ui.ctx());
+        panels::controls(self, ui);
+        panels::bottom(self, ui);
+        crate::picture::show(self, ui);
+        self.send_wish();
+        self.ask_for_boxes();
+        self.begin_as_asked();
+    }
+
+    fn take_reports(&mut self) {
+        let key = self.truth_key();
+        for report in self.host.reports() {
+            match self.shown.take(report, &key) {
+                Then::Nothing => {}
+                Then::SceneOpened(facts) => self.begin_scene(&facts),
+                Then::SceneRefused(number) => {
+                    if number == self.last_number && self.shown.scene.is_none() && number == 1 {
+                        // Nothing is there to look at yet: the built-in scene stands in.
+                        self.open(Source::Builtin("cornell".into()));
+                    }
+                }
+                Then::OpenAgain => {
+                    self.last_wish = None;
+                    self.open(self.source.clone());
+                }
+                Then::Download(name, bytes) => self.download(&name, &bytes),
+            }
+        }
+    }
+
+    /// The first look at a scene.
+    fn begin_scene(&mut self, facts: &SceneFacts) {
+        let named = self.start_view.take();
+        let look = match &named {
+            Some(name) => {
+                let found = facts.views.iter().find(|(view, _)| view == name);
+                if found.is_none() {
+                    let names: Vec<&str> = facts.views.iter().map(|(name, _)| &name[..]).collect();
+                    let message = format!("--view {name}: {} has {}", facts.name, names.join(", "));
+                    self.shown.say(Some(Fault::Request), message);
+                }
+                found.map(|(_, look)| *look)
+            }
+            None => self.start_look.take(),
+        };
+        let first = facts.views.first().map(|(_, look)| *look);
+        let is_again = self.last_wish.is_none() && self.choices.look.is_some() && self.last_number > 1;
+        if !is_again || look.is_some() {
+            self.choices.look = look.or(first);
+        }
+        self.fields.scene = facts.word.clone();
+        self.last_wish = None;
+    }
+
+    /// Tells the engine what is to be shown, where that has changed.
+    fn send_wish(&mut self) {
+        let Some(scene) = self.shown.scene.as_ref().map(|scene| scene.number) else { return };
+        let Some(wish) = self.choices.wish(scene, self.canvas.room) else { return };
+        if self.last_wish.as_ref() != Some(&wish) {
+            self.host.order(Order::Wish(Box::new(wish.clone())));
+            self.last_wish = Some(wish);
+        }
+    }
+
+    /// Boxes go with the picture: they are asked for again when it shows something else.
+    fn ask_for_boxes(&mut self) {
+        let Some(level) = self.fields.boxes else {
+            self.boxes_asked = None;
+            return;
+        };
+        let Some(picture) = self.shown.picture.as_ref().filter(|picture| !picture.is_preview()) else {
+            return;
+        };
+        let mut words = std::hash::DefaultHasher::new();
+        std::hash::Hash::hash(&(self.truth_key(), self.choices.settings.voxels), &mut words);
+        let of = (std::hash::Hasher::finish(&words), level);
+        let is_current = self.last_wish.as_ref().is_some_and(|wish| wish.look == picture.look);
+        if is_current && self.boxes_asked != Some(of) {
+            self.boxes_asked = Some(of);
+            self.ask(Question::Boxes { level });
+        }
+    }
+
+    /// What was to be done once there is a picture.
+    fn begin_as_asked(&mut self) {
+        let (Some(picture), Some(wish)) = (&self.shown.picture, &self.last_wish) else { return };
+        if picture.is_preview() || picture.look != wish.look {
+            return;
+        }
+        let [width, height] = picture.wished;
+        let key = self.truth_key();
+        if let Some(rays) = self.start.truth.take() {
+            self.ask(Question::Truth { key, rays });
+        }
+        if let Some([x, y]) = self.start.probe.take() {
+            let pixel = [(x * width as f32) as u32, (y * height as f32) as u32];
+            self.ask(Question::Probe { pixel, side: 0 });
+        }
+    }
+
+    /// Files dropped on the window: a scene with what belongs to it, or a truth.
+    pub(crate) fn take_files(&mut self, sources: Vec<Source>) {
+        let ending = |source: &Source| {
+            let word = source.word();
+            std::path::Path::new(&word).extension().map(|e| e.to_string_lossy().to_lowercase())
+        };
+        const SCENES: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
+        let is_scene = |source: &&Source| ending(source).is_some_and(|e| SCENES.contains(&&e[..]));
+        if let Some(scene) = sources.iter().find(is_scene) {
+            let scene = match scene {
+                Source::Bytes(file, _) => {
+                    let beside =
+                        sources.iter().filter(|other| *other != scene).filter_map(|other| match other {
+                            Source::Bytes(file, _) => Some(file.clone()),
+                            _ => None,
+                        });
+                    Source::Bytes(file.clone(), beside.collect())
+                }
+                other => other.clone(),
+            };
+            self.open(scene);
+        } else if let Some(image) = sources.iter().find(|s| ending(s).as_deref() == Some("exr")) {
+            self.read_truth(image.clone());
+        } else if let Some(first) = sources.first() {
+            let message =
+                format!("{}: no scene (.obj, .gltf, .glb, .ply, .stl) and no truth (.exr)", first.word());
+            self.shown.say(Some(Fault::Input), message);
+        }
+    }
+
+    /// Reads an image to compare with.
+    pub(crate) fn read_truth(&mut self, source: Source) {
+        if self.last_wish.is_none() {
+            self.shown.say(Some(Fault::Request), "open a scene first, then a truth to compare it with");
+            return;
+        }
+        self.ask(Question::ReadExr { key: self.truth_key(), source });
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn take_dropped(&mut self, ctx: &egui::Context) {
+        let files = ctx.input(|input| input.raw.dropped_files.clone());
+        let sources: Vec<Source> = files.iter().map(|file| Source::File(file.path().into())).collect();
+        if !sources.is_empty() {
+            self.take_files(sources);
+        }
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn take_dropped(&mut self, ctx: &egui::Context) {
+        let files = ctx.input(|input| input.raw.dropped_files.clone());
+        if !files.is_empty() {
+            crate::web::read_dropped(files, ctx.clone());
+        }
+        let read = crate::web::take_read();
+        let mut sources = Vec::new();
+        for file in read {
+            match file {
+                Ok(file) => sources.push(Source::Bytes(file, Vec::new())),
+                Err(message) => self.shown.say(Some(Fault::Input), message),
+            }
+        }
+        if !sources.is_empty() {
+            self.take_files(sources);
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn download(&mut self, name: &str, bytes: &[u8]) {
+        let written = conray::target::write_atomically(name, |out| out.write_all(bytes));
+        match written {
+            Ok(()) => self.shown.say(None, format!("wrote {name}")),
+            Err(e) => self.shown.say(Some(Fault::Work), e.to_string()),
+        }
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn download(&mut self, name: &str, bytes: &[u8]) {
+        if let Err(message) = crate::web::download(name, bytes) {
+            self.shown.say(Some(Fault::Work), message);
+        }
+    }
+
+    /// Saves the picture as it is shown.
+    pub(crate) fn save_png(&mut self, dark: bool) {
+        let Some((size, colours)) = crate::picture::composed(self, dark) else {
+            self.shown.say(Some(Fault::Request), "there is no picture to save yet");
+            return;
+        };
+        let mut bytes = Vec::new();
+        let depth = conray::target::PngDepth::Eight;
+        let encoded = conray::target::encode_colour_png(&mut bytes, size[0], size[1], &colours, depth);
+        if let Err(e) = encoded {
+            self.shown.say(Some(Fault::Work), format!("the picture cannot be saved: {e}"));
+            return;
+        }
+        let name = self.fields.png.clone();
+        self.download(&name, &bytes);
+    }
+
+    /// The program's words for a side; empty before the first picture.
+    pub(crate) fn command(&self, side: usize) -> String {
+        let (Some(scene), Some(wish)) = (self.shown.scene.as_deref(), &self.last_wish) else {
+            return String::new();
+        };
+        let Some(settings) = wish.sides.get(side) else { return String::new() };
+        let adapter = wish.adapter.as_deref();
+        let words = crate::save::command(scene, &wish.look, wish.size, settings, wish.device, adapter);
+        crate::save::shell_line(&words)
+    }
+
+    /// What is shown, for tests and measurements.
+    pub fn facts(&self) -> serde_json::Value {
+        let picture = self.shown.picture.as_deref();
+        let sides: Vec<serde_json::Value> = picture.iter().flat_map(|p| &p.sides).map(side_facts).collect();
+        serde_json::json!({
+            "scene": self.shown.scene.as_ref().map(|scene| scene.name.clone()),
+            "triangles": self.shown.scene.as_ref().map(|scene| scene.triangles),
+            "size": picture.map(|p| p.size),
+            "wished": picture.map(|p| p.wished),
+            "look": self.choices.look,
+            "picture_look": picture.map(|p| p.look),
+            "sides": sides,
+            "version": self.shown.version,
+            "busy": self.shown.busy.as_ref().map(|busy| busy.0.clone()),
+            "messages": self.shown.messages.iter().map(|m| m.text.clone()).collect::<Vec<_>>(),
+            "first_pictures": self.shown.first_pictures,
+            "canvas": self.canvas.rect.map(|r| [r.min.x, r.min.y, r.max.x, r.max.y]),
+            "places": self.shown.built.places,
+            "measured": self.shown.measured,
+            "boxes": self.shown.boxes.as_ref().map(|boxes| boxes.nodes.len()),
+            "probe": self.shown.probe.as_ref().map(|probe| (probe.pixel, probe.cones.len(), probe.rays.len())),
+        })
+    }
+
+    /// True where there is a whole picture of the newest wish and nothing is left to do.
+    pub fn is_at_rest(&self) -> bool {
+        let waits = self.start.truth.is_some() || self.start.probe.is_some();
+        self.shows_whole_picture() && self.shown.busy.is_none() && !waits
+    }
+
+    /// True where a picture of all pixels of the newest wish is shown.
+    pub fn shows_whole_picture(&self) -> bool {
+        let is_whole = self.shown.picture.as_ref().is_some_and(|picture| !picture.is_preview());
+        is_whole && self.shows_present_view().is_some()
+    }
+
+    /// The size of what is shown, where it is seen from where the camera is.
+    pub fn shows_present_view(&self) -> Option<[u32; 2]> {
+        let picture = self.shown.picture.as_ref()?;
+        (Some(picture.look) == self.choices.look).then_some(picture.size)
+    }
+
+    /// Carries the camera about what it looks at.
+    pub fn orbit(&mut self, yaw_rad: f32, pitch_rad: f32) {
+        self.choices.look = self.choices.look.map(|look| look.orbit(yaw_rad, pitch_rad));
+    }
+
+    /// Why the first scene could not be opened, if it could not.
+    pub fn scene_trouble(&self) -> Option<String> {
+        let failed = self.shown.messages.iter().find(|message| message.fault == Some(Fault::Input));
+        failed
+            .filter(|_| self.last_number > 1 || self.shown.scene.is_none())
+            .map(|message| message.text.clone())
+    }
+
+    /// Scene, method, size and place, in a line.
+    pub fn what_is_measured(&self) -> String {
+        let scene = self.shown.scene.as_ref().map_or("none", |scene| &scene.name[..]);
+        let size = self.last_wish.as_ref().map_or([0; 2], |wish| wish.size);
+        let place = self.shown.built.places.first().map_or("nowhere", |place| &place[..]);
+        format!(
+            "{scene}, method {}, {} x {} pixels, on {place}",
+            self.choices.settings.method, size[0], size[1]
+        )
+    }
+
+    pub(crate) fn scene(&self) -> Option<&Arc<SceneFacts>> {
+        self.shown.scene.as_ref()
+    }
+}
+
+fn side_facts(side: &crate::engine::SidePicture) -> serde_json::Value {
+    let finite = || side.visibility.iter().filter(|v| v.is_finite());
+    let mean = finite().map(|&v| f64::from(v)).sum::<f64>() / finite().count().max(1) as f64;
+    serde_json::json!({
+        "method": side.method,
+        "mean_visibility": mean,
+        "expected_rmse": Some(side.expected_rmse).filter(|rmse| rmse.is_finite()),
+        "rays_per_pixel": side.rays_per_pixel,
+        "seconds": side.seconds,
+        "ended": side.ended,
+    })
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+}

@@ -1,0 +1,241 @@
+//! The work on one wish: a coarse picture at once, then all pixels, then better and better ones.
+//!
+//! ```text
+//! few pixels, few rays -> Picture   (never interrupted: it is there within a tenth of a second)
+//! all pixels, few rays -> Picture
+//! side after side, twice as many rays -> Picture ... until each has what it was to reach
+//! ```
+
+use super::{Picture, SidePicture, Stop, Trouble, Wish, pace::Pace, planes, scenes::trouble_of};
+use conray::{
+    Budget, Control, Ended, Estimate, Method, PROGRESS_UNITS, Refinement, Session,
+    target::{Camera, CameraTarget, Target},
+};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
+use web_time::Instant;
+
+/// Rays a pixel of the first, coarse picture,
+const COARSE_RAYS: u32 = 4;
+/// and of the first of all pixels.
+const FIRST_RAYS: u32 = 2;
+
+/// What a step came to.
+pub(super) enum Step {
+    /// A better picture.
+    Picture(Box<Picture>),
+    /// Something newer waits; nothing to show.
+    Stopped,
+    /// All sides are as good as they were to be.
+    Done,
+}
+
+/// The work on one wish.
+pub(super) struct Job {
+    pub(super) wish: Wish,
+    start: Instant,
+    coarse_done: bool,
+    /// What all pixels see, once traced.
+    target: Option<CameraTarget>,
+    facing: planes::Facing,
+    sides: Vec<Side>,
+}
+
+/// The work on one side.
+struct Side {
+    refinement: Option<Refinement>,
+    /// Rays a pixel of the next round.
+    next_rays: u32,
+    seconds: f64,
+    ended: Option<Ended>,
+    picture: Option<SidePicture>,
+}
+
+impl Job {
+    pub(super) fn new(wish: Wish) -> Self {
+        let side = |_: &_| Side {
+            refinement: None,
+            next_rays: FIRST_RAYS,
+            seconds: 0.0,
+            ended: None,
+            picture: None,
+        };
+        let sides = wish.sides.iter().map(side).collect();
+        let facing = planes::Facing::default();
+        Self { wish, start: Instant::now(), coarse_done: false, target: None, facing, sides }
+    }
+
+    /// The next piece of work.
+    pub(super) fn step(
+        &mut self,
+        sessions: &[Session],
+        pace: &mut Pace,
+        stop: &Stop<'_>,
+        tell: &(dyn Fn(f32) + Sync),
+    ) -> Result<Step, Trouble> {
+        if !self.coarse_done {
+            return self.coarse(sessions, pace);
+        }
+        if self.target.is_none() && !self.trace(sessions, stop)? {
+            return Ok(Step::Stopped);
+        }
+        // The side that had the least time is next; of those that had as much, the first.
+        let open = self.sides.iter().enumerate().filter(|(_, side)| side.ended.is_none());
+        let next = open.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(index, _)| index);
+        let (Some(index), Some(target)) = (next, &self.target) else { return Ok(Step::Done) };
+        let session = &sessions[index];
+        let grew = self.sides[index].go_on(session, target, stop, tell)?;
+        if !grew {
+            return Ok(Step::Stopped);
+        }
+        let wish = &self.wish;
+        self.sides[index].picture = self.sides[index].picture_of(session, target, wish.size);
+        // A picture has all its sides; before that, the coarse one stays.
+        let whole = self.sides.iter().map(|side| side.picture.clone()).collect::<Option<Vec<_>>>();
+        Ok(whole.map_or(Step::Stopped, |sides| {
+            Step::Picture(Box::new(self.picture(wish.size, self.facing.plane.clone(), sides)))
+        }))
+    }
+
+    /// The first picture, of fewer pixels.
+    fn coarse(&mut self, sessions: &[Session], pace: &mut Pace) -> Result<Step, Trouble> {
+        let start = Instant::now();
+        let [width, height] = self.wish.size;
+        let divisor = pace.divisor(u64::from(width) * u64::from(height));
+        let size = [width.div_ceil(divisor), height.div_ceil(divisor)];
+        let Some(first) = sessions.first() else { return Ok(Step::Done) };
+        let view = self.wish.look.view("view");
+        let target = first.camera(&view, size[0], size[1]).map_err(|e| trouble_of(&e))?;
+        let facing = planes::Facing::of(&target, &self.wish.look).plane;
+        let mut sides = Vec::new();
+        for session in sessions {
+            let start = Instant::now();
+            let mut refinement = session.refinement(&target);
+            let budget = Budget::rays(COARSE_RAYS.min(session.plan().budget.rays));
+            let ended = session.go_on(&mut refinement, target.points(), budget, Control::none());
+            ended.map_err(|e| trouble_of(&e))?;
+            let seconds = start.elapsed().as_secs_f64();
+            sides.push(side_picture(session, &target, &refinement, size, seconds, None));
+        }
+        self.coarse_done = true;
+        pace.note(u64::from(size[0]) * u64::from(size[1]), start.elapsed().as_secs_f64());
+        Ok(Step::Picture(Box::new(self.picture(size, facing, sides))))
+    }
+
+    /// Finds what all pixels see; false where something newer waits.
+    fn trace(&mut self, sessions: &[Session], stop: &Stop<'_>) -> Result<bool, Trouble> {
+        let Some(session) = sessions.first() else { return Ok(false) };
+        let [width, height] = self.wish.size;
+        let camera = Camera::new(&self.wish.look.view("view"), width, height);
+        let camera = camera.map_err(|e| trouble_of(&e.into()))?;
+        let bvh = session.bvh();
+        let target = session.install(|| {
+            CameraTarget::trace(camera, |ray| {
+                if stop.flag.load(Ordering::Relaxed) {
+                    return None;
+                }
+                bvh.nearest(ray).map(|hit| bvh.surface_point(&hit, ray))
+            })
+        });
+        if stop.is_set() {
+            return Ok(false);
+        }
+        self.facing = planes::Facing::of(&target, &self.wish.look);
+        self.target = Some(target);
+        Ok(true)
+    }
+
+    fn picture(&self, size: [u32; 2], facing: Arc<Vec<f32>>, sides: Vec<SidePicture>) -> Picture {
+        let (look, scene, wished) = (self.wish.look, self.wish.scene, self.wish.size);
+        Picture { look, scene, size, wished, facing, sides, seconds: self.start.elapsed().as_secs_f64() }
+    }
+
+    /// What all pixels see, once that is known.
+    pub(super) fn target(&self) -> Option<&CameraTarget> {
+        self.target.as_ref()
+    }
+
+    /// The estimates of a side so far.
+    pub(super) fn estimates(&self, side: usize) -> Option<Vec<Estimate>> {
+        Some(self.sides.get(side)?.refinement.as_ref()?.estimates())
+    }
+}
+
+impl Side {
+    /// One round; false where something newer waits.
+    fn go_on(
+        &mut self,
+        session: &Session,
+        target: &CameraTarget,
+        stop: &Stop<'_>,
+        tell: &(dyn Fn(f32) + Sync),
+    ) -> Result<bool, Trouble> {
+        let (goal, start) = (session.plan().budget, Instant::now());
+        let left = goal.seconds.map_or(f64::INFINITY, |seconds| seconds - self.seconds);
+        let refinement = self.refinement.get_or_insert_with(|| session.refinement(target));
+        let done = AtomicU64::new(0);
+        let over = std::sync::atomic::AtomicBool::new(false);
+        let progress = |units: usize| {
+            let done = done.fetch_add(units as u64, Ordering::Relaxed) + units as u64;
+            if start.elapsed().as_secs_f64() > left {
+                over.store(true, Ordering::Relaxed);
+                stop.flag.store(true, Ordering::Relaxed);
+            }
+            stop.is_set();
+            tell(done as f32 / PROGRESS_UNITS as f32);
+        };
+        let budget = Budget { rays: self.next_rays.min(goal.rays), seconds: None, error: goal.error };
+        let control = Control { cancelled: stop.flag, progress: &progress };
+        let ended = session.go_on(refinement, target.points(), budget, control);
+        self.seconds += start.elapsed().as_secs_f64();
+        let timed_out = over.load(Ordering::Relaxed);
+        if timed_out {
+            // The flag was ours; whatever is newer is found out again.
+            stop.flag.store(false, Ordering::Relaxed);
+        }
+        match ended.map_err(|e| trouble_of(&e))? {
+            Ended::Cancelled if timed_out => self.ended = Some(Ended::Time),
+            Ended::Cancelled => return Ok(false),
+            Ended::Rays
+                if self.next_rays < goal.rays && self.seconds < goal.seconds.unwrap_or(f64::INFINITY) =>
+            {
+                self.next_rays = self.next_rays.saturating_mul(2);
+            }
+            Ended::Rays if self.next_rays < goal.rays => self.ended = Some(Ended::Time),
+            ended => self.ended = Some(ended),
+        }
+        Ok(true)
+    }
+
+    fn picture_of(&self, session: &Session, target: &CameraTarget, size: [u32; 2]) -> Option<SidePicture> {
+        let refinement = self.refinement.as_ref()?;
+        Some(side_picture(session, target, refinement, size, self.seconds, self.ended))
+    }
+}
+
+fn side_picture(
+    session: &Session,
+    target: &CameraTarget,
+    refinement: &Refinement,
+    size: [u32; 2],
+    seconds: f64,
+    ended: Option<Ended>,
+) -> SidePicture {
+    let estimates = session.install(|| refinement.estimates());
+    let points = target.points().len().max(1);
+    let planes = session.install(|| planes::of_estimates(target.points(), &estimates, size));
+    let method: Method = refinement.plan().method;
+    SidePicture {
+        method,
+        visibility: planes.visibility,
+        error: planes.error,
+        rays: planes.rays,
+        cones: planes.cones,
+        expected_rmse: session.install(|| refinement.expected_rmse()),
+        rays_per_pixel: refinement.rays() as f64 / points as f64,
+        seconds,
+        ended: ended.map(|ended| ended.to_string()),
+    }
+}

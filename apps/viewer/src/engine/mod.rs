@@ -1,0 +1,252 @@
+//! The engine: takes orders, does the work in steps, and reports. It knows nothing of windows, threads or pages.
+//!
+//! ```text
+//!            Order                         step()                          Report
+//! window ---------------> Engine: scenes.rs (what is open and built) -------------> window
+//!   newest wish counts    job.rs (the work on one wish: coarse, whole, better)
+//!                         answers.rs (probe, boxes, truth, files)
+//! ```
+//!
+//! Whoever runs it calls [`Engine::take`] with what came in and [`Engine::step`] while that says that there is more to do. A [`Stop`] tells it in
+//! the middle of a step that something newer waits; all but the coarse picture then ends at once. Estimates are made by
+//! [`conray::Session`] alone.
+
+mod answers;
+mod job;
+mod order;
+mod pace;
+mod planes;
+mod report;
+mod scenes;
+mod stop;
+pub mod wire;
+
+pub use order::{NamedBytes, Order, Question, Source, Wish};
+pub use report::{
+    Boxes, Built, ConePlanes, Fault, Picture, Plane, Probe, ProbedCone, Report, SceneFacts, SidePicture,
+    Trouble, Truth,
+};
+pub use stop::Stop;
+
+use conray::{Budget, Control, Device, Refinement, Session, target::Target};
+use job::{Job, Step};
+use pace::Pace;
+use scenes::{Held, stage_of};
+use std::collections::VecDeque;
+
+/// Rays of a truth between two looks at what is newer.
+const TRUTH_PASS: u32 = 64;
+
+/// Works on the newest wish.
+#[derive(Default)]
+pub struct Engine {
+    held: Option<Held>,
+    opening: Option<(u64, Source)>,
+    wish: Option<Wish>,
+    job: Option<Job>,
+    questions: VecDeque<Question>,
+    truth: Option<TruthWork>,
+    pace: Pace,
+    /// True once it was told that nothing is left to do.
+    is_idle: bool,
+}
+
+/// A truth that is being found.
+struct TruthWork {
+    key: String,
+    rays: u32,
+    done: u32,
+    session: Session,
+    refinement: Refinement,
+}
+
+impl Engine {
+    /// Takes an order; the work is done by the next steps.
+    pub fn take(&mut self, order: Order) {
+        match order {
+            Order::Open(number, source) => self.opening = Some((number, source)),
+            Order::Wish(wish) => self.wish = Some(*wish),
+            Order::Ask(Question::StopTruth) => self.truth = None,
+            Order::Ask(question) => self.questions.push_back(question),
+        }
+        self.is_idle = false;
+    }
+
+    /// Does a piece of work and reports what came of it; false once nothing is left to do.
+    pub fn step(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> bool {
+        if let Err(trouble) = self.try_step(stop, report) {
+            report(Report::Trouble(trouble));
+        }
+        if self.is_idle {
+            report(Report::Idle);
+        }
+        !self.is_idle
+    }
+
+    fn try_step(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        if let Some((number, source)) = self.opening.take() {
+            report(Report::Busy(format!("reading {}", source.word()), None));
+            let (held, facts) = Held::open(number, source)?;
+            // From here on the former scene is gone; its picture is the window's.
+            (self.held, self.job, self.truth) = (Some(held), None, None);
+            (self.wish, self.pace) = (None, Pace::default());
+            report(Report::Scene(facts));
+            return Ok(());
+        }
+        if let Some(wish) = self.wish.take() {
+            return self.begin(wish, report);
+        }
+        if let Some(question) = self.questions.pop_front() {
+            return self.answer(question, report);
+        }
+        if self.truth.is_some() {
+            return self.truth_pass(stop, report);
+        }
+        self.refine(stop, report)
+    }
+
+    /// Takes a wish up: what it needs is built, and the work on it begins.
+    fn begin(&mut self, wish: Wish, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        let Some(held) = self.held.as_mut().filter(|held| held.number == wish.scene) else { return Ok(()) };
+        if wish.size.contains(&0) {
+            // A window that is folded up: what was shown comes back with it.
+            return Ok(());
+        }
+        if held.prepare(&wish, &told(report))? {
+            self.pace = Pace::default();
+            report(Report::Built(held.built()));
+        }
+        self.truth = None;
+        self.job = Some(Job::new(wish));
+        Ok(())
+    }
+
+    /// Makes the picture better.
+    fn refine(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        let (Some(held), Some(job)) = (&mut self.held, &mut self.job) else {
+            self.is_idle = true;
+            return Ok(());
+        };
+        let tell = |share| report(Report::Busy("refining".into(), Some(share)));
+        match job.step(&held.sessions, &mut self.pace, stop, &tell) {
+            Ok(Step::Picture(picture)) => report(Report::Picture(picture)),
+            Ok(Step::Stopped) => {}
+            Ok(Step::Done) => self.is_idle = true,
+            Err(trouble) => {
+                let wish = job.wish.clone();
+                self.job = None;
+                let on_device = held.built().places.iter().any(|place| !place.starts_with("CPU"));
+                if !(on_device && wish.device != Device::Cpu) {
+                    return Err(trouble);
+                }
+                // A device that failed: the CPU goes on from the beginning.
+                report(Report::Trouble(trouble));
+                held.to_cpu()?;
+                report(Report::Built(held.built()));
+                report(Report::Notice("the CPU has taken over".into()));
+                self.job = Some(Job::new(wish));
+            }
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, question: Question, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        if let Question::ReadExr { key, source } = question {
+            report(Report::Truth(answers::truth_of_exr(key, &source)?));
+            return Ok(());
+        }
+        let (Some(held), Some(job)) = (&mut self.held, &self.job) else {
+            return Err(answers::request("there is no picture yet; try again in a moment"));
+        };
+        match question {
+            Question::Probe { pixel, side } => {
+                let probe = answers::probe(held, &job.wish, pixel, side)?;
+                report(Report::Probe(probe.map(Box::new)));
+            }
+            Question::Boxes { level } => {
+                if held.need_octree(&told(report))? {
+                    report(Report::Built(held.built()));
+                }
+                if let Some(boxes) = answers::boxes(held, job, level) {
+                    report(Report::Boxes(boxes));
+                }
+            }
+            Question::Truth { key, rays } => self.begin_truth(key, rays)?,
+            Question::Exr { side, path } => {
+                let (layers, attributes) = answers::layers(held, job, side, &held.word())?;
+                match path {
+                    Some(path) => {
+                        let written = conray::target::write_exr(&path, &layers, &attributes);
+                        written.map_err(|e| scenes::trouble_of(&e.into()))?;
+                        report(Report::Written(path));
+                    }
+                    None => {
+                        let bytes = conray::target::encode_exr(&layers, &attributes);
+                        let bytes = bytes.map_err(|e| scenes::trouble_of(&e.into()))?;
+                        report(Report::Bytes("conray.exr".into(), bytes));
+                    }
+                }
+            }
+            Question::StopTruth | Question::ReadExr { .. } => {}
+        }
+        Ok(())
+    }
+
+    fn begin_truth(&mut self, key: String, rays: u32) -> Result<(), Trouble> {
+        let (Some(held), Some(job)) = (&self.held, &self.job) else { return Ok(()) };
+        let (Some(target), Some(session)) = (job.target(), held.sessions.first()) else {
+            return Err(answers::request("there is no whole picture yet; try again in a moment"));
+        };
+        let settings = answers::truth_settings(&job.wish.sides[0], rays);
+        let options =
+            conray::SessionOptions { threads: 0, device: job.wish.device, adapter: job.wish.adapter.clone() };
+        let session = session.with(&settings, &options, &|_| {}).map_err(|e| scenes::trouble_of(&e))?;
+        let refinement = session.refinement(target);
+        self.truth = Some(TruthWork { key, rays, done: 0, session, refinement });
+        Ok(())
+    }
+
+    /// Some more rays of the truth.
+    fn truth_pass(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        let (Some(work), Some(job)) = (&mut self.truth, &self.job) else { return Ok(()) };
+        let Some(target) = job.target() else { return Ok(()) };
+        let next = (work.done + TRUTH_PASS).min(work.rays);
+        let progress = |_| {
+            stop.is_set();
+        };
+        let control = Control { cancelled: stop.flag, progress: &progress };
+        let ended = work.session.go_on(&mut work.refinement, target.points(), Budget::rays(next), control);
+        if let Err(e) = ended {
+            self.truth = None;
+            return Err(scenes::trouble_of(&e));
+        }
+        if stop.is_set() {
+            return Ok(());
+        }
+        work.done = next;
+        report(Report::Busy("finding the truth".into(), Some(next as f32 / work.rays as f32)));
+        // Shown when it has doubled, and at the end.
+        if next == work.rays || (next / TRUTH_PASS).is_power_of_two() {
+            let estimates = work.refinement.estimates();
+            let rmse = work.refinement.expected_rmse();
+            let truth = answers::truth_so_far(&work.key, target, &estimates, [next, work.rays], rmse);
+            report(Report::Truth(truth));
+        }
+        if next == work.rays {
+            self.truth = None;
+        }
+        Ok(())
+    }
+}
+
+/// Passes on what a build tells.
+fn told(report: &(dyn Fn(Report) + Sync)) -> impl Fn(conray::Event) + Sync {
+    move |event| {
+        if let conray::Event::Warning { message } = &event {
+            report(Report::Notice(message.clone()));
+        }
+        if let Some(stage) = stage_of(&event) {
+            report(Report::Busy(stage, None));
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Where estimates are made; how the window looks and which keys it knows.
+
+use crate::app::Viewer;
+use conray::Device;
+use egui::Ui;
+
+pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
+    if cfg!(target_arch = "wasm32") {
+        ui.label("On the CPU, in a worker of this page, on one thread.");
+        ui.weak("The desktop program also has graphics processors and all cores.");
+        return;
+    }
+    ui.horizontal(|ui| {
+        for (device, name, hint) in [
+            (
+                Device::Auto,
+                "auto",
+                "A graphics processor where there is one and it has all of the method, else the CPU",
+            ),
+            (Device::Cpu, "CPU", "All cores"),
+            (Device::Gpu, "GPU", "A graphics processor, also one that is a program on the CPU"),
+        ] {
+            ui.radio_value(&mut viewer.choices.device, device, name).on_hover_text(hint);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Adapter");
+        let hint = "part of its name";
+        let field = egui::TextEdit::singleline(&mut viewer.fields.adapter).hint_text(hint);
+        let field = ui.add(field.desired_width(150.0));
+        if field.lost_focus() {
+            viewer.choices.adapter = viewer.fields.adapter.clone();
+        }
+    });
+    for (side, place) in viewer.shown.built.places.iter().enumerate() {
+        let name = match (side, viewer.shown.built.places.len()) {
+            (_, 1) => "Works on",
+            (0, _) => "Left works on",
+            _ => "Right works on",
+        };
+        ui.label(format!("{name}: {place}"));
+    }
+}
+
+/// What keys and the mouse do, for people.
+const KEYS: [(&str, &str); 11] = [
+    ("drag", "orbit"),
+    ("right or shift-drag", "pan"),
+    ("ctrl-drag", "turn the head"),
+    ("wheel, pinch, + -", "zoom"),
+    ("W A S D Q E", "fly (shift: faster)"),
+    ("arrow keys", "orbit, once the picture is clicked"),
+    ("click", "probe; double: turn about it"),
+    ("L, M", "next layer, next method"),
+    ("B", "two side by side"),
+    ("Home", "first view"),
+    ("Tab, Space, Escape", "next control, press it, put away"),
+];
+
+pub(super) fn appearance(viewer: &mut Viewer, ui: &mut Ui) {
+    egui::widgets::global_theme_preference_buttons(ui);
+    ui.checkbox(&mut viewer.fields.shows_bottom, "error against time, and probe");
+    egui::Grid::new("keys").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+        for (key, what) in KEYS {
+            ui.strong(key);
+            ui.label(what);
+            ui.end_row();
+        }
+    });
+}

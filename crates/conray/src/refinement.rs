@@ -1,0 +1,95 @@
+//! Estimates of a target that get better for as long as one asks: what a viewer shows.
+
+use crate::{Error, Session, passes::Passes};
+use conray_core::{Estimate, SurfacePoint};
+use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Meter};
+use conray_target::Target;
+
+/// The work on a target so far, by a session's plan; [`Session::go_on`] adds to it.
+#[derive(Debug)]
+pub struct Refinement {
+    plan: AoPlan,
+    work: Work,
+}
+
+#[derive(Debug)]
+enum Work {
+    /// Points that share what they find.
+    Together(Box<Hybrid>),
+    /// Each point by itself, in passes over all.
+    OneByOne(Passes),
+}
+
+impl Refinement {
+    /// The plan, as of its beginning.
+    pub fn plan(&self) -> &AoPlan {
+        &self.plan
+    }
+
+    /// The estimates so far, one a point: pending before the first rays or cones.
+    pub fn estimates(&self) -> Vec<Estimate> {
+        match &self.work {
+            Work::Together(hybrid) => hybrid.estimates(),
+            Work::OneByOne(passes) => passes.estimates.clone(),
+        }
+    }
+
+    /// Expected RMSE of visibility over the points that can be estimated; infinite where one was not reached.
+    pub fn expected_rmse(&self) -> f64 {
+        match &self.work {
+            Work::Together(hybrid) => hybrid.expected_rmse(),
+            Work::OneByOne(passes) => passes.rmse(),
+        }
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> u64 {
+        match &self.work {
+            Work::Together(hybrid) => hybrid.rays(),
+            Work::OneByOne(passes) => passes.estimates.iter().map(|e| u64::from(e.rays)).sum(),
+        }
+    }
+}
+
+impl Session {
+    /// The beginning of a refinement of a target by the session's plan, without a ray yet.
+    pub fn refinement<T: Target>(&self, target: &T) -> Refinement {
+        let plan = self.plan.clone();
+        let work = match self.hybrid(&plan, target) {
+            Some(hybrid) => Work::Together(Box::new(hybrid)),
+            None => Work::OneByOne(Passes::of_whole_passes(target.points().len())),
+        };
+        Refinement { plan, work }
+    }
+
+    /// Adds work to a refinement until a budget is spent and says what ended it: rays of all calls together, seconds of this one. The
+    /// points are those that it began with.
+    ///
+    /// When cancelled, method `hybrid` keeps what it found, in the end with the bits of unbroken work; the others lose the
+    /// pass that was interrupted. A method without a budget does all its work at the first call.
+    ///
+    /// # Errors
+    /// What the backend lacks for the plan, and a device that failed: the estimates before stay.
+    pub fn go_on(
+        &self,
+        refinement: &mut Refinement,
+        points: &[SurfacePoint],
+        budget: Budget,
+        control: Control<'_>,
+    ) -> Result<Ended, Error> {
+        let Refinement { plan, work } = refinement;
+        match work {
+            Work::Together(hybrid) => {
+                let ended = self.refine(hybrid, plan, points, budget, control);
+                hybrid.failure().map_or(Ok(ended), |failure| Err(failure.clone().into()))
+            }
+            Work::OneByOne(passes) => {
+                let budget = if plan.method.has_budget() { budget } else { Budget::rays(1) };
+                let meter = Meter::new(control, budget.seconds);
+                let ended = self.passes_until(plan, passes, budget, points, &meter);
+                meter.finish();
+                ended
+            }
+        }
+    }
+}
