@@ -54,7 +54,7 @@ impl Default for Choices {
             layers: [Layer::Visibility; 2],
             is_split: false,
             split_at: 0.5,
-            device: if cfg!(target_arch = "wasm32") { Device::Cpu } else { Device::Auto },
+            device: Device::Auto,
             adapter: String::new(),
             size: PictureSize::Fit,
             look: None,

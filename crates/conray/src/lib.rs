@@ -49,8 +49,8 @@ pub use conray_core::{
 pub use conray_estimate::{
     AUTO_DISTANCE_SHARE, Alpha, AoPlan, AoSettings, Backend, BackendError, Budget, Choice, ConeView,
     ConeViews, Control, CpuBackend, Distance, Ended, Epsilon, Explanation, HARDLY_SEEN, Hybrid,
-    HybridConstants, Level, Method, PROGRESS_UNITS, Round, Sampling, SettingsError, StateError, limits,
-    merge,
+    HybridConstants, Level, Method, PROGRESS_UNITS, RayErrors, Round, Sampling, SettingsError, StateError,
+    limits, merge,
 };
 pub use conray_scene as scene;
 pub use conray_target as target;

@@ -82,12 +82,10 @@ impl GpuBackend {
     }
 
     /// The kernels of pictures.
-    pub(crate) fn frame_kernels(
-        &self,
-        scene: &wgpu::BindGroupLayout,
-        weighed: &wgpu::BindGroupLayout,
-    ) -> Result<&FrameKernels, GpuError> {
-        let made = self.frames.get_or_init(|| FrameKernels::new(&self.gpu, scene, weighed));
+    pub(crate) fn frame_kernels(&self) -> Result<&FrameKernels, GpuError> {
+        let rays = self.rays.as_ref().ok_or_else(|| absent(Method::Hybrid))?;
+        let weighed = &self.weigh_kernels()?.shared;
+        let made = self.frames.get_or_init(|| FrameKernels::new(&self.gpu, &rays.scene.layout, weighed));
         made.as_ref().map_err(Clone::clone)
     }
 

@@ -36,15 +36,15 @@ impl AdapterFacts {
 }
 
 fn instance() -> wgpu::Instance {
-    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let native = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
     wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
+        backends: native | wgpu::Backends::BROWSER_WEBGPU,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     })
 }
 
-fn found() -> Vec<(wgpu::Adapter, AdapterFacts)> {
-    let adapters = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+async fn found() -> Vec<(wgpu::Adapter, AdapterFacts)> {
+    let adapters = instance().enumerate_adapters(wgpu::Backends::all()).await;
     let with_facts = |adapter: wgpu::Adapter| {
         let facts = AdapterFacts::of(&adapter);
         (adapter, facts)
@@ -55,9 +55,15 @@ fn found() -> Vec<(wgpu::Adapter, AdapterFacts)> {
     found
 }
 
+/// Whether an adapter's name holds a text, whatever the case.
+fn is_named(name: Option<&str>) -> impl Fn(&AdapterFacts) -> bool {
+    let wanted = name.map(str::to_lowercase);
+    move |facts| wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
+}
+
 /// The adapters of this machine, real ones first.
 pub fn adapters() -> Vec<AdapterFacts> {
-    found().into_iter().map(|(_, facts)| facts).collect()
+    pollster::block_on(found()).into_iter().map(|(_, facts)| facts).collect()
 }
 
 /// A device at work.
@@ -80,6 +86,14 @@ impl Gpu {
         Self::open_named(name, false)
     }
 
+    /// The same as a future: for a page, which may not block.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub async fn open_later(name: Option<&str>) -> Result<Self, GpuError> {
+        Self::open_where(name, is_named(name), false).await
+    }
+
     /// The same with a clock, where the adapter has one: each run of a kernel is timed and waited for (see [`Gpu::kernel_times`]).
     ///
     /// # Errors
@@ -93,23 +107,19 @@ impl Gpu {
     /// # Errors
     /// There is none, or it gives no device.
     pub fn open_real() -> Result<Self, GpuError> {
-        Self::open_where(None, |facts| !facts.is_software, false)
+        pollster::block_on(Self::open_where(None, |facts| !facts.is_software, false))
     }
 
     fn open_named(name: Option<&str>, timed: bool) -> Result<Self, GpuError> {
-        let wanted = name.map(str::to_lowercase);
-        let fits = |facts: &AdapterFacts| {
-            wanted.as_ref().is_none_or(|wanted| facts.name.to_lowercase().contains(wanted))
-        };
-        Self::open_where(name, fits, timed)
+        pollster::block_on(Self::open_where(name, is_named(name), timed))
     }
 
-    fn open_where(
+    async fn open_where(
         name: Option<&str>,
         fits: impl Fn(&AdapterFacts) -> bool,
         timed: bool,
     ) -> Result<Self, GpuError> {
-        let all = found();
+        let all = found().await;
         let told: Vec<String> = all.iter().map(|(_, facts)| facts.name.clone()).collect();
         let Some((adapter, facts)) = all.into_iter().find(|(_, facts)| fits(facts)) else {
             let found = if told.is_empty() { "is none".into() } else { format!("are {}", told.join(", ")) };
@@ -131,7 +141,9 @@ impl Gpu {
             required_limits: limits,
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&request))
+        let (device, queue) = adapter
+            .request_device(&request)
+            .await
             .map_err(|e| GpuError::NoDevice { adapter: facts.name.clone(), reason: e.to_string() })?;
         let failure = Arc::new(Mutex::new(None));
         let (lost, uncaught) = (Arc::clone(&failure), Arc::clone(&failure));

@@ -33,6 +33,6 @@ pub use backend::GpuBackend;
 pub use clock::KernelTime;
 pub use device::{AdapterFacts, Gpu, adapters};
 pub use error::GpuError;
-pub use frame::{FrameCamera, FrameFound, Frames};
+pub use frame::{FrameCamera, FrameFound, FramePixel, Frames};
 pub use layouts::{StructLayout, layouts};
 pub use shader::{SHADERS, source};

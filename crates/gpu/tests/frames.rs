@@ -4,7 +4,7 @@
 use conray_bvh::Bvh;
 use conray_core::{Bounds, Estimate, Falloff, Geometry, Ray, SurfacePoint, Vec3};
 use conray_estimate::{AoPlan, AoSettings, Backend, Budget, Control, CpuBackend, Hybrid, Method, RayErrors};
-use conray_gpu::{FrameCamera, Gpu, GpuBackend};
+use conray_gpu::{FrameCamera, FramePixel, Gpu, GpuBackend};
 use std::sync::Arc;
 
 /// Root mean square difference that rounding may make, as the goal for all methods is.
@@ -16,7 +16,7 @@ struct Bench {
     plan: AoPlan,
     bounds: Bounds,
     bvh: Bvh,
-    device: GpuBackend,
+    device: Arc<GpuBackend>,
     camera: FrameCamera,
 }
 
@@ -31,7 +31,7 @@ impl Bench {
         let right = forward.cross(Vec3::Y).normalize();
         let camera =
             FrameCamera { eye, right, up: right.cross(forward), forward, pixel_side: 2.0 / HEIGHT as f32 };
-        Self { plan, bounds, bvh: Bvh::build(Arc::new(geometry)).unwrap(), device, camera }
+        Self { plan, bounds, bvh: Bvh::build(Arc::new(geometry)).unwrap(), device: Arc::new(device), camera }
     }
 
     fn built_in(name: &str, settings: &AoSettings) -> Self {
@@ -55,11 +55,10 @@ impl Bench {
     }
 
     /// Whether that is a point that the CPU sees.
-    fn is_seen_at(&self, seen: Option<[Vec3; 2]>, point: &SurfacePoint) -> bool {
+    fn is_seen_at(&self, pixel: &FramePixel, point: &SurfacePoint) -> bool {
         let extent = (self.bounds.max - self.bounds.min).length();
-        seen.is_some_and(|[position, normal]| {
-            (position - point.position).length() < 2e-5 * extent && normal.dot(point.shading_normal) > 0.9999
-        })
+        (pixel.position - point.position).length() < 2e-5 * extent
+            && pixel.normal.dot(point.shading_normal) > 0.9999
     }
 
     /// Root mean square differences of visibility and of its error between the device's picture and the CPU's.
@@ -69,31 +68,31 @@ impl Bench {
         hybrid.refine(&plan, &self.bvh, points, Budget::rays(rays), Control::none());
         let mut frames = self.device.frames(&self.plan, self.bounds, [WIDTH, HEIGHT]).unwrap();
         let found = frames.render(&self.camera, rays as f32, &hybrid.ray_errors()).unwrap();
-        let (known, seen) = (frames.known().unwrap(), frames.seen(self.camera.eye).unwrap());
+        let pixels = frames.pixels().unwrap();
         let (estimates, mut squares, mut count) = (hybrid.estimates(), [0.0; 2], 0);
         for (estimate, point) in estimates.iter().zip(points) {
             // At the rim of a leaf rounding decides what is seen: another test counts those.
-            if self.is_seen_at(seen[point.id as usize], point) {
-                let known = known[point.id as usize].unwrap();
-                squares[0] += f64::from(known[0] - estimate.visibility).powi(2);
-                squares[1] += f64::from(known[1] - estimate.error).powi(2);
+            if let Some(pixel) = pixels[point.id as usize].filter(|pixel| self.is_seen_at(pixel, point)) {
+                squares[0] += f64::from(pixel.visibility - estimate.visibility).powi(2);
+                squares[1] += f64::from(pixel.error - estimate.error).powi(2);
+                assert_eq!(pixel.rays, estimate.rays);
                 count += 1;
             }
         }
         assert!(count * 1000 >= 997 * points.len(), "{count} of {} are seen", points.len());
         assert!((found.points as usize).abs_diff(points.len()) * 1000 <= points.len());
         assert!(seed != self.plan.seed || (found.expected_rmse / hybrid.expected_rmse() - 1.0).abs() < 0.02);
-        assert_picture(&frames.picture().unwrap(), &known);
+        assert_picture(&frames.picture().unwrap(), &pixels);
         squares.map(|squares| (squares / count as f64).sqrt())
     }
 }
 
 /// The picture is grey, and what is known.
-fn assert_picture(picture: &[u32], known: &[Option<[f32; 2]>]) {
-    for (pixel, known) in picture.iter().zip(known) {
+fn assert_picture(picture: &[u32], pixels: &[Option<FramePixel>]) {
+    for (pixel, known) in picture.iter().zip(pixels) {
         let [red, green, blue, alpha] = pixel.to_le_bytes();
         match known {
-            Some([value, _]) => {
+            Some(FramePixel { visibility: value, .. }) => {
                 assert!((f32::from(red) - 255.0 * value).abs() <= 0.51, "{red} {value}");
                 assert_eq!([green, blue, alpha], [red, red, 255]);
             }
@@ -115,9 +114,11 @@ fn what_is_seen_agrees_gpu() {
         let bench = Bench::built_in(name, &hybrid());
         let mut frames = bench.device.frames(&bench.plan, bench.bounds, [WIDTH, HEIGHT]).unwrap();
         frames.render(&bench.camera, 0.1, &RayErrors::UNKNOWN).unwrap();
-        let seen = frames.seen(bench.camera.eye).unwrap();
+        let seen = frames.pixels().unwrap();
         let points = bench.points();
-        let alike = |point: &&SurfacePoint| bench.is_seen_at(seen[point.id as usize], point);
+        let alike = |point: &&SurfacePoint| {
+            seen[point.id as usize].is_some_and(|pixel| bench.is_seen_at(&pixel, point))
+        };
         let [found, covered] = [points.iter().filter(alike).count(), seen.iter().flatten().count()];
         eprintln!("{name}: {found} of {} alike", points.len());
         assert!(found * 1000 >= 997 * points.len(), "{name}: {found} of {}", points.len());
@@ -151,7 +152,7 @@ fn a_camera_that_sees_nothing_gpu() {
     let away = FrameCamera { eye: bench.bounds.max + Vec3::splat(9.0), forward: Vec3::Y, ..bench.camera };
     let found = frames.render(&away, 4.0, &RayErrors::UNKNOWN).unwrap();
     assert_eq!((found.points, found.expected_rmse), (0, 0.0));
-    assert_eq!(frames.known().unwrap(), [None]);
+    assert_eq!(frames.pixels().unwrap(), [None]);
     assert_eq!(frames.picture().unwrap(), [0]);
 }
 
@@ -168,10 +169,9 @@ fn more_rays_come_to_the_truth_gpu() {
     let mut found = frames.render(&bench.camera, 1.0, &RayErrors::UNKNOWN).unwrap();
     let mut rmses = Vec::new();
     for _ in 0..12 {
-        let known = frames.known().unwrap();
+        let pixels = frames.pixels().unwrap();
         let off = |(truth, point): (&Estimate, &SurfacePoint)| {
-            let [value, _] = known[point.id as usize].unwrap();
-            f64::from(value - truth.visibility).powi(2)
+            f64::from(pixels[point.id as usize].unwrap().visibility - truth.visibility).powi(2)
         };
         let rmse = (truth.iter().zip(&points).map(off).sum::<f64>() / points.len() as f64).sqrt();
         eprintln!("{} rays: RMSE {rmse:.4}, expected {:.4}", found.rays, found.expected_rmse);

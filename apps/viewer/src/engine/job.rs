@@ -6,7 +6,11 @@
 //! side after side, twice as many rays -> Picture ... until each has what it was to reach
 //! ```
 
+#[cfg(feature = "gpu")]
+use super::pictures::{Drawn, Pictures};
 use super::{Picture, SidePicture, Stop, Trouble, Wish, pace::Pace, planes, scenes::trouble_of};
+#[cfg(feature = "gpu")]
+use conray::BackendError;
 use conray::{
     Budget, Control, Ended, Estimate, Method, PROGRESS_UNITS, Refinement, Session,
     target::{Camera, CameraTarget, Target},
@@ -43,9 +47,21 @@ pub(super) struct Job {
     sides: Vec<Side>,
 }
 
+/// What the work is done with.
+pub(super) struct Means<'a> {
+    /// One a side.
+    pub(super) sessions: &'a [Session],
+    /// A device whose answers come later, for the side by method `hybrid`.
+    #[cfg(feature = "gpu")]
+    pub(super) pictures: Option<&'a mut Pictures>,
+}
+
 /// The work on one side.
 struct Side {
     refinement: Option<Refinement>,
+    /// Instead of that, where a device makes the picture.
+    #[cfg(feature = "gpu")]
+    drawn: Option<Drawn>,
     /// Rays a pixel of the next round.
     next_rays: u32,
     seconds: f64,
@@ -57,6 +73,8 @@ impl Job {
     pub(super) fn new(wish: Wish) -> Self {
         let side = |_: &_| Side {
             refinement: None,
+            #[cfg(feature = "gpu")]
+            drawn: None,
             next_rays: FIRST_RAYS,
             seconds: 0.0,
             ended: None,
@@ -68,15 +86,22 @@ impl Job {
     }
 
     /// The next piece of work.
-    pub(super) fn step(
+    pub(super) async fn step(
         &mut self,
-        sessions: &[Session],
+        means: Means<'_>,
         pace: &mut Pace,
         stop: &Stop<'_>,
         tell: &(dyn Fn(f32) + Sync),
     ) -> Result<Step, Trouble> {
+        let sessions = means.sessions;
         if !self.coarse_done {
             return self.coarse(sessions, pace);
+        }
+        #[cfg(feature = "gpu")]
+        if let Some(pictures) = means.pictures
+            && let Some(step) = self.draw(sessions, pictures).await?
+        {
+            return Ok(step);
         }
         if self.target.is_none() && !self.trace(sessions, stop)? {
             return Ok(Step::Stopped);
@@ -92,11 +117,15 @@ impl Job {
         }
         let wish = &self.wish;
         self.sides[index].picture = self.sides[index].picture_of(session, target, wish.size);
-        // A picture has all its sides; before that, the coarse one stays.
+        Ok(self.whole())
+    }
+
+    /// A picture has all its sides; before that, the coarse one stays.
+    fn whole(&self) -> Step {
         let whole = self.sides.iter().map(|side| side.picture.clone()).collect::<Option<Vec<_>>>();
-        Ok(whole.map_or(Step::Stopped, |sides| {
-            Step::Picture(Box::new(self.picture(wish.size, self.facing.plane.clone(), sides)))
-        }))
+        whole.map_or(Step::Stopped, |sides| {
+            Step::Picture(Box::new(self.picture(self.wish.size, self.facing.plane.clone(), sides)))
+        })
     }
 
     /// The first picture, of fewer pixels.
@@ -159,7 +188,55 @@ impl Job {
 
     /// The estimates of a side so far.
     pub(super) fn estimates(&self, side: usize) -> Option<Vec<Estimate>> {
-        Some(self.sides.get(side)?.refinement.as_ref()?.estimates())
+        let side = self.sides.get(side)?;
+        #[cfg(feature = "gpu")]
+        if let (Some(drawn), Some(target)) = (&side.drawn, &self.target) {
+            return Some(drawn.estimates(target.points()));
+        }
+        Some(side.refinement.as_ref()?.estimates())
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Job {
+    /// The next picture of the side that a device draws, where it is that side's turn.
+    async fn draw(&mut self, sessions: &[Session], pictures: &mut Pictures) -> Result<Option<Step>, Trouble> {
+        let is_open = |(side, session): &(&mut Side, &Session)| {
+            session.plan().method == Method::Hybrid && side.ended.is_none()
+        };
+        let least = self.sides.iter().filter(|side| side.ended.is_none()).map(|side| side.seconds);
+        let least = least.fold(f64::INFINITY, f64::min);
+        let Some((side, session)) = self.sides.iter_mut().zip(sessions).find(is_open) else {
+            return Ok(None);
+        };
+        // After its first picture come the points that the CPU knows, and others' turns.
+        if side.drawn.is_some() && (self.target.is_none() || side.seconds > least) {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let drawn = pictures.draw(session, &self.wish, side.drawn.as_ref()).await;
+        let drawn = drawn.map_err(|e| trouble_of(&BackendError::Device(e.to_string()).into()))?;
+        side.seconds += start.elapsed().as_secs_f64();
+        let (found, budget) = (drawn.found, session.plan().budget);
+        let is_late = budget.seconds.is_some_and(|seconds| side.seconds >= seconds);
+        side.ended = drawn.has_reached(&budget).or(is_late.then_some(Ended::Time));
+        let planes = drawn.planes();
+        side.picture = Some(SidePicture {
+            method: Method::Hybrid,
+            visibility: planes.visibility,
+            error: planes.error,
+            rays: planes.rays,
+            cones: None,
+            expected_rmse: found.expected_rmse,
+            rays_per_pixel: found.rays as f64 / found.points.max(1) as f64,
+            seconds: side.seconds,
+            ended: side.ended.map(|ended| ended.to_string()),
+        });
+        if self.target.is_none() {
+            self.facing = drawn.facing(self.wish.look.eye.into());
+        }
+        side.drawn = Some(drawn);
+        Ok(Some(self.whole()))
     }
 }
 

@@ -15,6 +15,8 @@ mod answers;
 mod job;
 mod order;
 mod pace;
+#[cfg(feature = "gpu")]
+mod pictures;
 mod planes;
 mod report;
 mod scenes;
@@ -47,6 +49,14 @@ pub struct Engine {
     questions: VecDeque<Question>,
     truth: Option<TruthWork>,
     pace: Pace,
+    /// True where answers of devices come later: then no session works on one.
+    is_page: bool,
+    /// A device's part, where there is one.
+    #[cfg(feature = "gpu")]
+    pictures: Option<pictures::Pictures>,
+    /// True where it is not there, or failed: it is asked for again once another place was wished for.
+    #[cfg(feature = "gpu")]
+    is_refused: bool,
     /// True once it was told that nothing is left to do.
     is_idle: bool,
 }
@@ -61,6 +71,11 @@ struct TruthWork {
 }
 
 impl Engine {
+    /// An engine that never waits for a device: pictures by method `hybrid` are asked for and come later, all else is the CPU's.
+    pub fn of_page() -> Self {
+        Self { is_page: true, ..Self::default() }
+    }
+
     /// Takes an order; the work is done by the next steps.
     pub fn take(&mut self, order: Order) {
         match order {
@@ -73,8 +88,14 @@ impl Engine {
     }
 
     /// Does a piece of work and reports what came of it; false once nothing is left to do.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn step(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> bool {
-        if let Err(trouble) = self.try_step(stop, report) {
+        pollster::block_on(self.step_later(stop, report))
+    }
+
+    /// The same as a future.
+    pub async fn step_later(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> bool {
+        if let Err(trouble) = self.try_step(stop, report).await {
             report(Report::Trouble(trouble));
         }
         if self.is_idle {
@@ -83,18 +104,19 @@ impl Engine {
         !self.is_idle
     }
 
-    fn try_step(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+    async fn try_step(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
         if let Some((number, source)) = self.opening.take() {
             report(Report::Busy(format!("reading {}", source.word()), None));
             let (held, facts) = Held::open(number, source)?;
             // From here on the former scene is gone; its picture is the window's.
             (self.held, self.job, self.truth) = (Some(held), None, None);
             (self.wish, self.pace) = (None, Pace::default());
+            self.drop_device(false);
             report(Report::Scene(facts));
             return Ok(());
         }
         if let Some(wish) = self.wish.take() {
-            return self.begin(wish, report);
+            return self.begin(wish, report).await;
         }
         if let Some(question) = self.questions.pop_front() {
             return self.answer(question, report);
@@ -102,19 +124,26 @@ impl Engine {
         if self.truth.is_some() {
             return self.truth_pass(stop, report);
         }
-        self.refine(stop, report)
+        self.refine(stop, report).await
     }
 
     /// Takes a wish up: what it needs is built, and the work on it begins.
-    fn begin(&mut self, wish: Wish, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+    async fn begin(&mut self, mut wish: Wish, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        let wished = wish.device;
+        if self.is_page {
+            wish.device = Device::Cpu;
+        }
         let Some(held) = self.held.as_mut().filter(|held| held.number == wish.scene) else { return Ok(()) };
         if wish.size.contains(&0) {
             // A window that is folded up: what was shown comes back with it.
             return Ok(());
         }
-        if held.prepare(&wish, &told(report))? {
+        let is_built = held.prepare(&wish, &told(report))?;
+        wish.device = wished;
+        let is_other = self.is_page && self.prepare_device(&wish, report).await;
+        if is_built || is_other {
             self.pace = Pace::default();
-            report(Report::Built(held.built()));
+            self.tell_built(report);
         }
         self.truth = None;
         self.job = Some(Job::new(wish));
@@ -122,27 +151,35 @@ impl Engine {
     }
 
     /// Makes the picture better.
-    fn refine(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+    async fn refine(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
         let (Some(held), Some(job)) = (&mut self.held, &mut self.job) else {
             self.is_idle = true;
             return Ok(());
         };
         let tell = |share| report(Report::Busy("refining".into(), Some(share)));
-        match job.step(&held.sessions, &mut self.pace, stop, &tell) {
+        let work = job::Means {
+            sessions: &held.sessions,
+            #[cfg(feature = "gpu")]
+            pictures: self.pictures.as_mut(),
+        };
+        match job.step(work, &mut self.pace, stop, &tell).await {
             Ok(Step::Picture(picture)) => report(Report::Picture(picture)),
             Ok(Step::Stopped) => {}
             Ok(Step::Done) => self.is_idle = true,
             Err(trouble) => {
                 let wish = job.wish.clone();
                 self.job = None;
-                let on_device = held.built().places.iter().any(|place| !place.starts_with("CPU"));
+                let on_device = held.places_on_devices() || self.has_device();
                 if !(on_device && wish.device != Device::Cpu) {
                     return Err(trouble);
                 }
                 // A device that failed: the CPU goes on from the beginning.
                 report(Report::Trouble(trouble));
-                held.to_cpu()?;
-                report(Report::Built(held.built()));
+                if let Some(held) = &mut self.held {
+                    held.to_cpu()?;
+                }
+                self.drop_device(true);
+                self.tell_built(report);
                 report(Report::Notice("the CPU has taken over".into()));
                 self.job = Some(Job::new(wish));
             }
@@ -236,6 +273,77 @@ impl Engine {
             self.truth = None;
         }
         Ok(())
+    }
+}
+
+/// The device of a page.
+#[cfg(feature = "gpu")]
+impl Engine {
+    /// Opens a device where one is wished for and not there; true where that changed anything.
+    async fn prepare_device(&mut self, wish: &Wish, report: &(dyn Fn(Report) + Sync)) -> bool {
+        let had = self.pictures.is_some();
+        self.is_refused &= wish.device != Device::Cpu;
+        if !pictures::are_wished(wish) {
+            self.pictures = None;
+            return had;
+        }
+        if self.is_refused {
+            return false;
+        }
+        let Some(session) = self.held.as_ref().and_then(|held| held.sessions.first()).filter(|_| !had) else {
+            return false;
+        };
+        report(Report::Busy("opening a graphics processor".into(), None));
+        match pictures::Pictures::open(session, wish.adapter.as_deref()).await {
+            Ok(opened) => self.pictures = Some(opened),
+            Err(e) => {
+                self.is_refused = true;
+                report(Report::Notice(format!("on the CPU: {e}")));
+            }
+        }
+        self.pictures.is_some()
+    }
+
+    fn has_device(&self) -> bool {
+        self.pictures.is_some()
+    }
+
+    /// Gives the device back; one that failed is not asked for again.
+    fn drop_device(&mut self, has_failed: bool) {
+        self.pictures = None;
+        self.is_refused = has_failed;
+    }
+
+    /// What is built, and where pictures are made.
+    fn tell_built(&self, report: &(dyn Fn(Report) + Sync)) {
+        let Some(held) = &self.held else { return };
+        let mut built = held.built();
+        if let Some(pictures) = &self.pictures {
+            let methods = held.sessions.iter().map(|session| session.plan().method);
+            let of_device =
+                built.places.iter_mut().zip(methods).filter(|(_, m)| *m == conray::Method::Hybrid);
+            of_device.for_each(|(place, _)| *place = pictures.place());
+        }
+        report(Report::Built(built));
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+impl Engine {
+    async fn prepare_device(&mut self, _: &Wish, _: &(dyn Fn(Report) + Sync)) -> bool {
+        false
+    }
+
+    fn has_device(&self) -> bool {
+        false
+    }
+
+    fn drop_device(&mut self, _: bool) {}
+
+    fn tell_built(&self, report: &(dyn Fn(Report) + Sync)) {
+        if let Some(held) = &self.held {
+            report(Report::Built(held.built()));
+        }
     }
 }
 

@@ -66,8 +66,8 @@ pub struct Wish {
     /// The settings of one or two pictures side by side; they differ in the method.
     #[serde(with = "wire::as_json")]
     pub sides: Vec<AoSettings>,
-    /// Where estimates are made; a page has the CPU alone.
-    #[serde(skip)]
+    /// Where estimates are made.
+    #[serde(with = "wire::device")]
     pub device: Device,
     /// Part of the name of the adapter that is meant.
     pub adapter: Option<String>,

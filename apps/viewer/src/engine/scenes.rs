@@ -103,6 +103,11 @@ impl Held {
         Ok(true)
     }
 
+    /// True where a session works on a device.
+    pub(super) fn places_on_devices(&self) -> bool {
+        self.sessions.iter().any(|session| !session.report().device.starts_with("CPU"))
+    }
+
     /// From now on on the CPU, whatever is wished for, until another place is.
     pub(super) fn to_cpu(&mut self) -> Result<(), Trouble> {
         let cpu = SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() };

@@ -73,3 +73,20 @@ pub(crate) mod as_json {
         serde_json::from_str(&String::deserialize(from)?).map_err(D::Error::custom)
     }
 }
+
+/// Where estimates are made, as a number.
+pub(crate) mod device {
+    use conray::Device;
+    use serde::{Deserialize, Serialize, de::Error};
+
+    const ALL: [Device; 3] = [Device::Auto, Device::Cpu, Device::Gpu];
+
+    pub(crate) fn serialize<S: serde::Serializer>(device: &Device, to: S) -> Result<S::Ok, S::Error> {
+        ALL.iter().position(|known| known == device).unwrap_or(0).serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Device, D::Error> {
+        let number = usize::deserialize(from)?;
+        ALL.get(number).copied().ok_or_else(|| D::Error::custom(format!("there is no device {number}")))
+    }
+}

@@ -118,7 +118,6 @@ mod outside {
 
 /// The worker's end: `worker.js` calls it.
 #[wasm_bindgen]
-#[derive(Default)]
 pub struct WorkerEngine {
     engine: Engine,
 }
@@ -127,9 +126,10 @@ pub struct WorkerEngine {
 impl WorkerEngine {
     /// An engine without a scene.
     #[wasm_bindgen(constructor)]
+    #[expect(clippy::new_without_default, reason = "for JavaScript")]
     pub fn new() -> Self {
         console_error_panic_hook::set_once();
-        Self::default()
+        Self { engine: Engine::of_page() }
     }
 
     /// Takes an order's bytes.
@@ -140,10 +140,10 @@ impl WorkerEngine {
         }
     }
 
-    /// Does a piece of work; false once nothing is left to do.
-    pub fn step(&mut self) -> bool {
+    /// Does a piece of work; false once nothing is left to do. No order may be taken before it is done.
+    pub async fn step(&mut self) -> bool {
         let flag = AtomicBool::new(false);
-        self.engine.step(&Stop { flag: &flag, poll: &outside::is_newer }, &report)
+        self.engine.step_later(&Stop { flag: &flag, poll: &outside::is_newer }, &report).await
     }
 }
 

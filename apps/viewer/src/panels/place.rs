@@ -5,24 +5,33 @@ use conray::Device;
 use egui::Ui;
 
 pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
-    if cfg!(target_arch = "wasm32") {
-        ui.label("On the CPU, in a worker of this page, on one thread.");
-        ui.weak("The desktop program also has graphics processors and all cores.");
-        return;
-    }
+    let is_page = cfg!(target_arch = "wasm32");
+    let of_page = [
+        (
+            Device::Auto,
+            "WebGPU",
+            "Method hybrid by the browser's graphics processor where it has one; all else on the CPU",
+        ),
+        (Device::Cpu, "CPU", "In a worker of this page, on one thread"),
+    ];
+    let of_window = [
+        (
+            Device::Auto,
+            "auto",
+            "A graphics processor where there is one and it has all of the method, else the CPU",
+        ),
+        (Device::Cpu, "CPU", "All cores"),
+        (Device::Gpu, "GPU", "A graphics processor, also one that is a program on the CPU"),
+    ];
     ui.horizontal(|ui| {
-        for (device, name, hint) in [
-            (
-                Device::Auto,
-                "auto",
-                "A graphics processor where there is one and it has all of the method, else the CPU",
-            ),
-            (Device::Cpu, "CPU", "All cores"),
-            (Device::Gpu, "GPU", "A graphics processor, also one that is a program on the CPU"),
-        ] {
-            ui.radio_value(&mut viewer.choices.device, device, name).on_hover_text(hint);
+        for (device, name, hint) in if is_page { &of_page[..] } else { &of_window[..] } {
+            ui.radio_value(&mut viewer.choices.device, *device, *name).on_hover_text(*hint);
         }
     });
+    if is_page {
+        places(viewer, ui);
+        return;
+    }
     ui.horizontal(|ui| {
         ui.label("Adapter");
         let hint = "part of its name";
@@ -32,6 +41,11 @@ pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
             viewer.choices.adapter = viewer.fields.adapter.clone();
         }
     });
+    places(viewer, ui);
+}
+
+/// Where the estimates of each side are made.
+fn places(viewer: &Viewer, ui: &mut Ui) {
     for (side, place) in viewer.shown.built.places.iter().enumerate() {
         let name = match (side, viewer.shown.built.places.len()) {
             (_, 1) => "Works on",

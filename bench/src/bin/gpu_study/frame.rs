@@ -12,7 +12,7 @@ const RAYS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// A picture of so many rays a pixel.
 fn picture(
     stage: &Stage,
-    frames: &mut Frames<'_>,
+    frames: &mut Frames,
     camera: &FrameCamera,
     errors: &RayErrors,
     rays: f32,
@@ -24,9 +24,9 @@ fn picture(
     let found = frames.render(camera, rays, errors)?;
     let seconds = start.elapsed().as_secs_f64();
     let kernels = gpu.kernel_times();
-    let known = frames.known()?;
+    let pixels = frames.pixels()?;
     let estimate = |point: &SurfacePoint| {
-        let known = known[point.id as usize];
+        let known = pixels[point.id as usize].map(|pixel| [pixel.visibility, pixel.error]);
         known.map_or(Estimate::INVALID, |[visibility, error]| Estimate {
             visibility,
             error,

@@ -102,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "apart     BVH {bvh_seconds:.3} s, octree {octree_seconds:.3} s, primary visibility {seen_seconds:.3} s, all on the CPU; trees, upload and shaders {upload_seconds:.3} s"
     );
-    let stage = Stage { bvh, device, bounds, size: args.size, voxels: args.voxels };
+    let stage = Stage { bvh, device: Arc::new(device), bounds, size: args.size, voxels: args.voxels };
     let truth = stage.truth(args.truth, points)?;
     println!(
         "\n{:8} {:>10} {:>10} {:>9} {:>9} {:>8}  kernels",

@@ -10,7 +10,7 @@ use std::{error::Error, sync::Arc, time::Instant};
 /// All that methods work on.
 pub(crate) struct Stage {
     pub(crate) bvh: Arc<Bvh>,
-    pub(crate) device: GpuBackend,
+    pub(crate) device: Arc<GpuBackend>,
     pub(crate) bounds: Bounds,
     pub(crate) size: [u32; 2],
     pub(crate) voxels: u32,

@@ -14,17 +14,20 @@ mod passes;
 mod read;
 mod structs;
 
+pub use read::FramePixel;
+
 use crate::{
     GpuBackend, GpuError,
     backend::absent,
     kernel::{Bound, GROUP, Kernel, Steps},
     points::{AoUniform, GpuPoint},
-    weighing::{Weigher, WeighingUniform},
+    weighing::{Weighing, WeighingUniform},
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use conray_core::{Bounds, LANES, Vec3};
 use conray_estimate::{AoPlan, HybridConstants, Method, RayErrors};
 use passes::{Pass, UNIT};
+use std::sync::Arc;
 pub(crate) use structs::{CameraUniform, LatticeUniform, ShownUniform};
 
 /// Pixels on each side of a workgroup that sees.
@@ -64,9 +67,8 @@ pub struct FrameFound {
 }
 
 /// Makes pictures of one size of one scene.
-pub struct Frames<'a> {
-    backend: &'a GpuBackend,
-    kernels: &'a FrameKernels,
+pub struct Frames {
+    backend: Arc<GpuBackend>,
     plan: AoPlan,
     /// Width, height, and places from row to row.
     size: [u32; 3],
@@ -75,7 +77,9 @@ pub struct Frames<'a> {
     /// The last rays, and those of all passes of the picture.
     last: Pass,
     rays: u64,
-    weigher: Weigher<'a>,
+    /// Where the camera stood.
+    eye: Vec3,
+    weighing: Weighing,
     camera: wgpu::Buffer,
     lattice: wgpu::Buffer,
     shown: wgpu::Buffer,
@@ -105,29 +109,34 @@ impl GpuBackend {
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] with the numbers, a scene that was not uploaded, a plan that is not built for devices, or a device that fails.
-    pub fn frames(&self, plan: &AoPlan, bounds: Bounds, size: [u32; 2]) -> Result<Frames<'_>, GpuError> {
+    pub fn frames(
+        self: &Arc<Self>,
+        plan: &AoPlan,
+        bounds: Bounds,
+        size: [u32; 2],
+    ) -> Result<Frames, GpuError> {
         // Refuses what is not built.
         AoUniform::new(plan, 0..1, 0)?;
         let rays = self.rays.as_ref().ok_or_else(|| absent(Method::Hybrid))?;
-        let (gpu, weighing) = (self.gpu(), self.weigh_kernels()?);
-        let kernels = self.frame_kernels(&rays.scene.layout, &weighing.shared)?;
+        let (gpu, kernels) = (self.gpu(), self.weigh_kernels()?);
+        self.frame_kernels()?;
         let [width, height] = size.map(|side| side.max(1));
         let size = [width, height, width.next_multiple_of(LANES as u32)];
         let uniform = WeighingUniform::of_size(&HybridConstants::default(), size);
-        let weigher = Weigher::empty(gpu, weighing, uniform)?;
+        let weighing = Weighing::new(gpu, kernels, uniform)?;
         let count = (size[2] * height) as usize;
         let unit = plan.distance.min(0.25 * (bounds.max - bounds.min).length());
         let uniform = wgpu::BufferUsages::UNIFORM;
         let shown = ShownUniform { background: 0, width, pad_a: 0, pad_b: 0 };
         Ok(Frames {
-            backend: self,
-            kernels,
+            backend: Arc::clone(self),
             plan: plan.clone(),
             size,
             unit: if unit > 0.0 && unit.is_finite() { unit } else { 1.0 },
             last: Pass::first(0.0),
             rays: 0,
-            weigher,
+            eye: Vec3::ZERO,
+            weighing,
             camera: gpu.buffer("camera", bytes_of(&CameraUniform::zeroed()), uniform)?,
             lattice: gpu.buffer("lattice", bytes_of(&LatticeUniform::zeroed()), uniform)?,
             shown: gpu.buffer("what is shown", bytes_of(&shown), uniform)?,
@@ -139,7 +148,7 @@ impl GpuBackend {
     }
 }
 
-impl Frames<'_> {
+impl Frames {
     /// Makes a picture of about so many rays a pixel, 1/16 to 16, sixteen each at places spread evenly. `errors` tells how rays err: as
     /// [`conray_estimate::Hybrid::ray_errors`] found out in such a scene, or [`RayErrors::UNKNOWN`].
     ///
@@ -164,7 +173,7 @@ impl Frames<'_> {
         rays_per_pixel: f32,
         errors: &RayErrors,
     ) -> Result<FrameFound, GpuError> {
-        (self.last, self.rays) = (Pass::first(rays_per_pixel), 0);
+        (self.last, self.rays, self.eye) = (Pass::first(rays_per_pixel), 0, camera.eye);
         self.pass(Some(camera), errors).await
     }
 
@@ -191,26 +200,26 @@ impl Frames<'_> {
         camera: Option<&FrameCamera>,
         errors: &RayErrors,
     ) -> Result<FrameFound, GpuError> {
-        let gpu = self.backend.gpu();
+        let (gpu, kernels) = (self.backend.gpu(), self.backend.frame_kernels()?);
         let scene = &self.backend.rays.as_ref().ok_or_else(|| absent(Method::Hybrid))?.scene;
         let [width, height, stride] = self.size;
         gpu.write(&self.lattice, &[LatticeUniform::new(&self.plan, self.size, &self.last)])?;
-        self.weigher.set_rays(errors)?;
-        let b = &self.weigher.buffers;
+        self.weighing.set_rays(gpu, errors)?;
+        let b = &self.weighing.buffers;
         let mut steps = Steps::new(gpu);
         if let Some(camera) = camera {
             gpu.write(&self.camera, &[CameraUniform::new(camera, self.size, self.unit)])?;
             let seen = [&self.camera, &self.normals, &b.places, &self.points, &b.tallies];
             let groups = stride / SEEN * height.div_ceil(SEEN);
-            steps.add(&self.kernels.see, &scene.bindings, &seen, groups)?;
+            steps.add(&kernels.see, &scene.bindings, &seen, groups)?;
         }
         let units = self.last.units([width, height]);
         let asked = [&self.lattice, &b.places, &self.points, &b.tallies];
-        steps.add(&self.kernels.lattice, &scene.bindings, &asked, units.div_ceil(GROUP / UNIT))?;
-        self.weigher.add_to(&mut steps)?;
+        steps.add(&kernels.lattice, &scene.bindings, &asked, units.div_ceil(GROUP / UNIT))?;
+        self.weighing.add_to(&mut steps, self.backend.weigh_kernels()?)?;
         let (shown, parts) =
             ([&self.shown, &b.known, &self.picture, &self.parts], (stride * height).div_ceil(GROUP));
-        steps.add(&self.kernels.resolve, &self.weigher.shared, &shown, parts)?;
+        steps.add(&kernels.resolve, &self.weighing.shared, &shown, parts)?;
         steps.finish()?;
         let parts: Vec<[f32; 2]> = gpu.read_later(&self.parts, parts as usize).await?;
         let sum = |k: usize| parts.iter().map(|part| f64::from(part[k])).sum::<f64>();

@@ -1,10 +1,28 @@
 //! What pictures hold, for those who want more than to show them.
 
-use super::Frames;
-use crate::{GpuError, weighing::GpuPlace};
+use super::{Frames, passes::UNIT};
+use crate::{
+    GpuError,
+    weighing::{GpuPlace, GpuPlaceTally},
+};
 use conray_core::Vec3;
 
-impl Frames<'_> {
+/// A pixel that sees something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FramePixel {
+    /// Visibility in [0, 1].
+    pub visibility: f32,
+    /// Its expected error.
+    pub error: f32,
+    /// Rays traced from it.
+    pub rays: u32,
+    /// Where what it sees is, in world space.
+    pub position: Vec3,
+    /// Unit shading normal there.
+    pub normal: Vec3,
+}
+
+impl Frames {
     /// The picture, row by row: visibility as grey of eight bits a channel, the first of them lowest; 0 where nothing is seen.
     ///
     /// # Errors
@@ -22,57 +40,35 @@ impl Frames<'_> {
         self.backend.gpu().read_later(&self.picture, (width * height) as usize).await
     }
 
-    /// Visibility and expected error of each pixel, row by row; none where nothing is seen.
+    /// All that is known of each pixel, row by row; none where nothing is seen.
     ///
     /// # Errors
     /// A device that fails.
-    pub fn known(&self) -> Result<Vec<Option<[f32; 2]>>, GpuError> {
-        pollster::block_on(self.known_later())
+    pub fn pixels(&self) -> Result<Vec<Option<FramePixel>>, GpuError> {
+        pollster::block_on(self.pixels_later())
     }
 
     /// The same as a future.
     ///
     /// # Errors
     /// A device that fails.
-    pub async fn known_later(&self) -> Result<Vec<Option<[f32; 2]>>, GpuError> {
-        let known: Vec<[f32; 4]> =
-            self.backend.gpu().read_later(&self.weigher.buffers.known, self.places()).await?;
-        let found = |at: usize, _: &GpuPlace| [known[at][0], known[at][1].sqrt()];
-        Ok(self.of_pixels(&self.read_places().await?, found))
-    }
-
-    /// What is seen of each pixel, row by row: position and shading normal; none where that is nothing. `eye` is where the camera stood.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub fn seen(&self, eye: Vec3) -> Result<Vec<Option<[Vec3; 2]>>, GpuError> {
-        pollster::block_on(self.seen_later(eye))
-    }
-
-    /// The same as a future.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub async fn seen_later(&self, eye: Vec3) -> Result<Vec<Option<[Vec3; 2]>>, GpuError> {
-        let seen = |_: usize, place: &GpuPlace| [eye + self.unit * place.position, place.normal];
-        Ok(self.of_pixels(&self.read_places().await?, seen))
-    }
-
-    fn places(&self) -> usize {
-        let [_, height, stride] = self.size;
-        (stride * height) as usize
-    }
-
-    async fn read_places(&self) -> Result<Vec<GpuPlace>, GpuError> {
-        self.backend.gpu().read_later(&self.weigher.buffers.places, self.places()).await
-    }
-
-    fn of_pixels<T>(&self, places: &[GpuPlace], of: impl Fn(usize, &GpuPlace) -> T) -> Vec<Option<T>> {
-        let [width, height, stride] = self.size;
+    pub async fn pixels_later(&self) -> Result<Vec<Option<FramePixel>>, GpuError> {
+        let ([width, height, stride], buffers) = (self.size, &self.weighing.buffers);
+        let (gpu, count) = (self.backend.gpu(), (stride * height) as usize);
+        let places: Vec<GpuPlace> = gpu.read_later(&buffers.places, count).await?;
+        let tallies: Vec<GpuPlaceTally> = gpu.read_later(&buffers.tallies, count).await?;
+        let known: Vec<[f32; 4]> = gpu.read_later(&buffers.known, count).await?;
         let pixel = |k: u32| {
             let at = (k / width * stride + k % width) as usize;
-            (places[at].sharpness > 0.0).then(|| of(at, &places[at]))
+            let (place, [visibility, error2, ..]) = (&places[at], known[at]);
+            (place.sharpness > 0.0).then(|| FramePixel {
+                visibility,
+                error: error2.sqrt(),
+                rays: UNIT * tallies[at].units,
+                position: self.eye + self.unit * place.position,
+                normal: place.normal,
+            })
         };
-        (0..width * height).map(pixel).collect()
+        Ok((0..width * height).map(pixel).collect())
     }
 }

@@ -62,16 +62,21 @@ impl WeighKernels {
     }
 }
 
-/// Weighs some places.
+/// Weighs some places, on behalf of who keeps the device.
 pub(crate) struct Weigher<'a> {
     gpu: &'a Gpu,
     kernels: &'a WeighKernels,
+    work: Weighing,
+    /// One weighing at a time: they share the buffers.
+    turn: Mutex<()>,
+}
+
+/// Room for weighing some places.
+pub(crate) struct Weighing {
     uniform: WeighingUniform,
     /// What all kernels read.
     pub(crate) shared: wgpu::BindGroup,
     pub(crate) buffers: Buffers,
-    /// One weighing at a time: they share the buffers.
-    turn: Mutex<()>,
 }
 
 pub(crate) struct Buffers {
@@ -101,45 +106,25 @@ fn count_of(places: &WeighingUniform) -> u32 {
     places.stride * places.height
 }
 
-impl<'a> Weigher<'a> {
-    /// Uploads what is known of places without a ray; nothing where one of the buffers would be too large for the adapter.
-    pub(crate) fn new(
-        gpu: &'a Gpu,
-        kernels: &'a WeighKernels,
-        constants: &HybridConstants,
-        places: &Places<'_>,
-    ) -> Result<Option<Self>, GpuError> {
-        let uniform = WeighingUniform::new(constants, places);
-        let weigher = match Self::empty(gpu, kernels, uniform) {
-            Err(GpuError::TooLarge { .. }) => return Ok(None),
-            made => made?,
-        };
-        gpu.write(&weigher.buffers.places, &GpuPlace::all(places))?;
-        Ok(Some(weigher))
-    }
-
-    /// For places that a kernel will fill in.
+impl Weighing {
+    /// For places that are written later.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], with the numbers, or a device that fails.
-    pub(crate) fn empty(
-        gpu: &'a Gpu,
-        kernels: &'a WeighKernels,
-        uniform: WeighingUniform,
-    ) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, kernels: &WeighKernels, uniform: WeighingUniform) -> Result<Self, GpuError> {
         let buffers = Buffers::new(gpu, &uniform)?;
         let shared = bind(gpu, &kernels.shared, &[&buffers.uniform, &buffers.places, &buffers.tallies]);
-        Ok(Self { gpu, kernels, uniform, shared, buffers, turn: Mutex::new(()) })
+        Ok(Self { uniform, shared, buffers })
     }
 
     /// Says how the rays err that the next steps weigh.
-    pub(crate) fn set_rays(&self, rays: &RayErrors) -> Result<(), GpuError> {
-        self.gpu.write(&self.buffers.uniform, &[self.uniform.with_rays(rays)])
+    pub(crate) fn set_rays(&self, gpu: &Gpu, rays: &RayErrors) -> Result<(), GpuError> {
+        gpu.write(&self.buffers.uniform, &[self.uniform.with_rays(rays)])
     }
 
     /// All that is done to weigh what the tallies hold by then.
-    pub(crate) fn add_to(&self, steps: &mut Steps<'_>) -> Result<(), GpuError> {
-        let Self { kernels, uniform, shared, buffers: b, .. } = self;
+    pub(crate) fn add_to(&self, steps: &mut Steps<'_>, kernels: &WeighKernels) -> Result<(), GpuError> {
+        let Self { uniform, shared, buffers: b } = self;
         let count = count_of(uniform);
         let mut step = |kernel: &Kernel, asked: &[&wgpu::Buffer], threads: u32| {
             steps.add(kernel, shared, asked, threads.div_ceil(GROUP))
@@ -162,17 +147,35 @@ impl<'a> Weigher<'a> {
         step(&kernels.everywhere, &[&b.sum_parts, &b.counts, &b.state], 1)?;
         step(&kernels.weigh, &[&b.cells, &b.heads, &b.told, &b.sums, &b.state, &b.known], count)
     }
+}
+
+impl<'a> Weigher<'a> {
+    /// Uploads what is known of places without a ray; nothing where one of the buffers would be too large for the adapter.
+    pub(crate) fn new(
+        gpu: &'a Gpu,
+        kernels: &'a WeighKernels,
+        constants: &HybridConstants,
+        places: &Places<'_>,
+    ) -> Result<Option<Self>, GpuError> {
+        let work = match Weighing::new(gpu, kernels, WeighingUniform::new(constants, places)) {
+            Err(GpuError::TooLarge { .. }) => return Ok(None),
+            made => made?,
+        };
+        gpu.write(&work.buffers.places, &GpuPlace::all(places))?;
+        Ok(Some(Self { gpu, kernels, work, turn: Mutex::new(()) }))
+    }
 
     fn weighed(&self, tallies: &[PlaceTally], rays: &RayErrors) -> Result<Known, GpuError> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let packed: Vec<GpuPlaceTally> = tallies.iter().map(GpuPlaceTally::of).collect();
-        self.set_rays(rays)?;
-        self.gpu.write(&self.buffers.tallies, &packed)?;
-        let mut steps = Steps::new(self.gpu);
-        self.add_to(&mut steps)?;
+        let (gpu, buffers) = (self.gpu, &self.work.buffers);
+        self.work.set_rays(gpu, rays)?;
+        gpu.write(&buffers.tallies, &packed)?;
+        let mut steps = Steps::new(gpu);
+        self.work.add_to(&mut steps, self.kernels)?;
         steps.finish()?;
-        let state: Vec<WeighingState> = self.gpu.read(&self.buffers.state, 1)?;
-        let known: Vec<[f32; 4]> = self.gpu.read(&self.buffers.known, tallies.len())?;
+        let state: Vec<WeighingState> = gpu.read(&buffers.state, 1)?;
+        let known: Vec<[f32; 4]> = gpu.read(&buffers.known, tallies.len())?;
         let column = |k: usize| known.iter().map(|known| known[k]).collect();
         Ok(Known {
             value: column(0),

@@ -1,0 +1,133 @@
+//! Pictures by method `hybrid` made wholly on a device whose answers come later: what a page has (WebGPU), where nobody may wait for them.
+
+use super::{Wish, planes};
+use conray::{
+    AoSettings, Budget, Device, Estimate, Method, RayErrors, Session, SurfacePoint, Vec3,
+    gpu::{FrameCamera, FrameFound, FramePixel, Frames, Gpu, GpuBackend, GpuError},
+    target::Camera,
+};
+use std::sync::Arc;
+
+/// Rays a pixel of a first picture.
+const FIRST_RAYS: f32 = 1.0;
+
+/// A scene on a device, and room for pictures of one size.
+pub(super) struct Pictures {
+    backend: Arc<GpuBackend>,
+    /// By whose settings, and how large.
+    made_for: Option<(Vec<AoSettings>, [u32; 2])>,
+    frames: Option<Frames>,
+}
+
+/// The picture of one side so far.
+pub(super) struct Drawn {
+    pub(super) found: FrameFound,
+    pixels: Vec<Option<FramePixel>>,
+}
+
+/// Whether a wish asks for one: of the methods `hybrid` alone is made so, with what devices have of it.
+pub(super) fn are_wished(wish: &Wish) -> bool {
+    wish.device != Device::Cpu && wish.sides.iter().any(|side| side.method == Method::Hybrid)
+}
+
+impl Pictures {
+    /// Uploads a session's scene.
+    pub(super) async fn open(session: &Session, adapter: Option<&str>) -> Result<Self, GpuError> {
+        let gpu = Gpu::open_later(adapter).await?;
+        let backend = GpuBackend::new(gpu, Some(session.geometry()), None)?;
+        Ok(Self { backend: Arc::new(backend), made_for: None, frames: None })
+    }
+
+    /// Where they are made, for people.
+    pub(super) fn place(&self) -> String {
+        let facts = self.backend.gpu().facts();
+        let name = if facts.name.is_empty() { "graphics processor" } else { &facts.name };
+        let software = if facts.is_software { ", a program on the CPU" } else { "" };
+        format!("{name} ({}{software})", facts.backend)
+    }
+
+    /// The first picture of a camera, or more rays for the one before.
+    pub(super) async fn draw(
+        &mut self,
+        session: &Session,
+        wish: &Wish,
+        before: Option<&Drawn>,
+    ) -> Result<Drawn, GpuError> {
+        let plan = session.plan();
+        let is_same =
+            self.made_for.as_ref().is_some_and(|(sides, size)| (sides, *size) == (&wish.sides, wish.size));
+        if !is_same {
+            // Room is given back before more is taken.
+            self.frames = None;
+            self.frames = Some(self.backend.frames(plan, session.bounds(), wish.size)?);
+            self.made_for = Some((wish.sides.clone(), wish.size));
+        }
+        let Some(frames) = &mut self.frames else { return Err(GpuError::NotUploaded(plan.method)) };
+        let found = match before {
+            Some(_) if is_same => frames.refine_later(&RayErrors::UNKNOWN).await?,
+            _ => frames.render_later(&camera_of(wish)?, FIRST_RAYS, &RayErrors::UNKNOWN).await?,
+        };
+        Ok(Drawn { found, pixels: frames.pixels_later().await? })
+    }
+}
+
+fn camera_of(wish: &Wish) -> Result<FrameCamera, GpuError> {
+    let [width, height] = wish.size;
+    // The session has refused what is no camera before.
+    let camera = Camera::new(&wish.look.view("view"), width, height)
+        .map_err(|_| GpuError::Unsupported("what this camera sees"))?;
+    let [right, up, forward] = camera.basis();
+    Ok(FrameCamera { eye: camera.eye(), right, up, forward, pixel_side: camera.pixel_side() })
+}
+
+impl Drawn {
+    /// Whether it is what was asked for: by its expected error, or by its rays.
+    pub(super) fn has_reached(&self, budget: &Budget) -> Option<conray::Ended> {
+        let enough = self.found.rays >= u64::from(budget.rays) * self.found.points;
+        let right = budget.error.is_some_and(|error| self.found.expected_rmse <= f64::from(error));
+        match (right, enough) {
+            (true, _) => Some(conray::Ended::Error),
+            (_, true) => Some(conray::Ended::Rays),
+            _ => None,
+        }
+    }
+
+    /// All planes.
+    pub(super) fn planes(&self) -> planes::EstimatePlanes {
+        let plane = |of: fn(&FramePixel) -> f32| {
+            Arc::new(
+                self.pixels.iter().map(|pixel| pixel.as_ref().map_or(f32::NAN, of)).collect::<Vec<f32>>(),
+            )
+        };
+        planes::EstimatePlanes {
+            visibility: plane(|pixel| pixel.visibility),
+            error: plane(|pixel| pixel.error),
+            rays: plane(|pixel| pixel.rays as f32),
+            cones: None,
+        }
+    }
+
+    /// How surfaces face the camera.
+    pub(super) fn facing(&self, eye: Vec3) -> planes::Facing {
+        let facing =
+            |pixel: &FramePixel| (eye - pixel.position).normalize_or_zero().dot(pixel.normal).clamp(0.0, 1.0);
+        let values = self.pixels.iter().map(|pixel| pixel.as_ref().map_or(f32::NAN, facing));
+        planes::Facing { plane: Arc::new(values.collect()) }
+    }
+
+    /// The estimates of points that have their pixels as ids; of no value where the device saw nothing there.
+    pub(super) fn estimates(&self, points: &[SurfacePoint]) -> Vec<Estimate> {
+        let estimate = |point: &SurfacePoint| {
+            let pixel = self.pixels.get(point.id as usize).copied().flatten();
+            pixel.map_or(Estimate::INVALID, |FramePixel { visibility, error, rays, .. }| Estimate {
+                visibility,
+                error,
+                rays,
+                // Devices keep no directions of pictures.
+                bent: visibility * point.shading_normal,
+                cone: None,
+            })
+        };
+        points.iter().map(estimate).collect()
+    }
+}
