@@ -17,7 +17,9 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
     let beside = env::current_exe().ok().and_then(|program| Some(program.parent()?.join(name())));
     let program = beside.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(name()));
     match Command::new(&program).args(&args.words).status() {
-        Ok(status) => Ok(status.code().map_or(ExitCode::FAILURE, |code| ExitCode::from(code.clamp(0, 255) as u8))),
+        Ok(status) => {
+            Ok(status.code().map_or(ExitCode::FAILURE, |code| ExitCode::from(code.clamp(0, 255) as u8)))
+        }
         Err(e) if e.kind() == io::ErrorKind::NotFound => Err(Failure::Request(format!(
             "view: there is no program {VIEWER} beside this one or on PATH; cargo build --release -p {VIEWER} makes it"
         ))),

@@ -78,7 +78,8 @@ impl Viewer {
     }
 
     /// Asks about what is shown.
-    pub(crate) fn ask(&self, question: Question) {
+    pub(crate) fn ask(&mut self, question: Question) {
+        self.shown.busy.get_or_insert_with(|| ("asking".into(), None));
         self.host.order(Order::Ask(question));
     }
 
@@ -156,6 +157,7 @@ impl Viewer {
         let Some(wish) = self.choices.wish(scene, self.canvas.room) else { return };
         if self.last_wish.as_ref() != Some(&wish) {
             self.host.order(Order::Wish(Box::new(wish.clone())));
+            self.shown.busy.get_or_insert_with(|| ("beginning".into(), None));
             self.last_wish = Some(wish);
         }
     }
@@ -166,7 +168,9 @@ impl Viewer {
             self.boxes_asked = None;
             return;
         };
-        let Some(picture) = self.shown.picture.as_ref().filter(|picture| !picture.is_preview()) else { return };
+        let Some(picture) = self.shown.picture.as_ref().filter(|picture| !picture.is_preview()) else {
+            return;
+        };
         let mut words = std::hash::DefaultHasher::new();
         std::hash::Hash::hash(&(self.truth_key(), self.choices.settings.voxels), &mut words);
         let of = (std::hash::Hasher::finish(&words), level);
@@ -205,10 +209,11 @@ impl Viewer {
         if let Some(scene) = sources.iter().find(is_scene) {
             let scene = match scene {
                 Source::Bytes(file, _) => {
-                    let beside = sources.iter().filter(|other| *other != scene).filter_map(|other| match other {
-                        Source::Bytes(file, _) => Some(file.clone()),
-                        _ => None,
-                    });
+                    let beside =
+                        sources.iter().filter(|other| *other != scene).filter_map(|other| match other {
+                            Source::Bytes(file, _) => Some(file.clone()),
+                            _ => None,
+                        });
                     Source::Bytes(file.clone(), beside.collect())
                 }
                 other => other.clone(),
@@ -217,10 +222,8 @@ impl Viewer {
         } else if let Some(image) = sources.iter().find(|s| ending(s).as_deref() == Some("exr")) {
             self.read_truth(image.clone());
         } else if let Some(first) = sources.first() {
-            let message = format!(
-                "{}: no scene (.obj, .gltf, .glb, .ply, .stl) and no truth (.exr)",
-                first.word()
-            );
+            let message =
+                format!("{}: no scene (.obj, .gltf, .glb, .ply, .stl) and no truth (.exr)", first.word());
             self.shown.say(Some(Fault::Input), message);
         }
     }
@@ -356,7 +359,9 @@ impl Viewer {
     /// Why the first scene could not be opened, if it could not.
     pub fn scene_trouble(&self) -> Option<String> {
         let failed = self.shown.messages.iter().find(|message| message.fault == Some(Fault::Input));
-        failed.filter(|_| self.last_number > 1 || self.shown.scene.is_none()).map(|message| message.text.clone())
+        failed
+            .filter(|_| self.last_number > 1 || self.shown.scene.is_none())
+            .map(|message| message.text.clone())
     }
 
     /// Scene, method, size and place, in a line.
@@ -364,7 +369,10 @@ impl Viewer {
         let scene = self.shown.scene.as_ref().map_or("none", |scene| &scene.name[..]);
         let size = self.last_wish.as_ref().map_or([0; 2], |wish| wish.size);
         let place = self.shown.built.places.first().map_or("nowhere", |place| &place[..]);
-        format!("{scene}, method {}, {} x {} pixels, on {place}", self.choices.settings.method, size[0], size[1])
+        format!(
+            "{scene}, method {}, {} x {} pixels, on {place}",
+            self.choices.settings.method, size[0], size[1]
+        )
     }
 
     pub(crate) fn scene(&self) -> Option<&Arc<SceneFacts>> {

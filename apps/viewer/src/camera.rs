@@ -203,7 +203,10 @@ mod tests {
     fn a_pan_carries_the_point_with_the_pointer() {
         let moved = look().pan(0.25, -0.1);
         let [x, y] = moved.project(look().look_at.into(), [400.0, 200.0]).unwrap();
-        assert!((x - (200.0 + 0.25 * 200.0)).abs() < 0.01 && (y - (100.0 - 0.1 * 200.0)).abs() < 0.01, "{x} {y}");
+        assert!(
+            (x - (200.0 + 0.25 * 200.0)).abs() < 0.01 && (y - (100.0 - 0.1 * 200.0)).abs() < 0.01,
+            "{x} {y}"
+        );
     }
 
     #[test]

@@ -138,7 +138,8 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_diverging_map_is_neutral_and_its_ends_are_not() {
-        let spread = |c: Color32| i32::from(c.r().max(c.g()).max(c.b())) - i32::from(c.r().min(c.g()).min(c.b()));
+        let spread =
+            |c: Color32| i32::from(c.r().max(c.g()).max(c.b())) - i32::from(c.r().min(c.g()).min(c.b()));
         assert!(spread(Map::Diverging.colour(0.5)) < 12);
         assert!(spread(Map::Diverging.colour(0.0)) > 90 && spread(Map::Diverging.colour(1.0)) > 90);
     }

@@ -142,7 +142,12 @@ fn round_up(value: f32) -> f32 {
 }
 
 /// The numbers of a layer; `None` where the side has none.
-pub fn values(layer: Layer, picture: &Picture, side: &SidePicture, truth: Option<&[f32]>) -> Option<Vec<f32>> {
+pub fn values(
+    layer: Layer,
+    picture: &Picture,
+    side: &SidePicture,
+    truth: Option<&[f32]>,
+) -> Option<Vec<f32>> {
     let cones = side.cones.as_ref();
     match layer {
         Layer::Visibility => Some(side.visibility.to_vec()),
@@ -199,7 +204,12 @@ mod tests {
             ended: None,
         };
         Picture {
-            look: crate::camera::Look { eye: [0.0; 3], look_at: [1.0; 3], up: [0.0, 1.0, 0.0], vertical_fov_deg: 40.0 },
+            look: crate::camera::Look {
+                eye: [0.0; 3],
+                look_at: [1.0; 3],
+                up: [0.0, 1.0, 0.0],
+                vertical_fov_deg: 40.0,
+            },
             scene: 1,
             size: [3, 1],
             wished: [3, 1],
@@ -244,7 +254,9 @@ mod tests {
 
     #[test]
     fn ranges_end_at_round_numbers_and_outliers_do_not_count() {
-        for (value, expected) in [(0.013, 0.02), (0.5, 0.5), (3.0, 5.0), (0.0, 1e-3), (f32::NAN, 1e-3), (70.0, 100.0)] {
+        for (value, expected) in
+            [(0.013, 0.02), (0.5, 0.5), (3.0, 5.0), (0.0, 1e-3), (f32::NAN, 1e-3), (70.0, 100.0)]
+        {
             assert!((round_up(value) / expected - 1.0).abs() < 1e-4, "{value}: {}", round_up(value));
         }
         let mut errors = vec![0.03f32; 1000];

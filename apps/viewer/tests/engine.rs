@@ -3,7 +3,7 @@
 mod support;
 
 use conray::{Method, Sampling};
-use conray_viewer::engine::{Fault, NamedBytes, Order, Question, Report, Source};
+use conray_viewer::engine::{Fault, NamedBytes, Order, Question, Report, Source, Wish};
 use std::time::{Duration, Instant};
 use support::{Runner, orbit, wish};
 
@@ -158,8 +158,8 @@ fn settings_that_do_not_go_together_are_told_and_mended_by_the_next_wish() {
     let mut runner = Runner::open("cornell");
     let scene = runner.scene.clone();
     let good = wish(&scene, [64, 48], &[Method::Rays]);
-    for change in [
-        |w: &mut conray_viewer::engine::Wish| w.sides[0].distance = conray::Distance::World(-1.0),
+    let changes: [fn(&mut Wish); 6] = [
+        |w| w.sides[0].distance = conray::Distance::World(-1.0),
         |w| {
             w.sides[0].falloff = conray::Falloff::Linear;
             w.sides[0].distance = conray::Distance::Infinite;
@@ -168,7 +168,8 @@ fn settings_that_do_not_go_together_are_told_and_mended_by_the_next_wish() {
         |w| w.sides[0].max_memory = Some(1),
         |w| w.look.eye = w.look.look_at,
         |w| w.look.vertical_fov_deg = 0.0,
-    ] {
+    ];
+    for change in changes {
         let mut bad = good.clone();
         change(&mut bad);
         runner.order(Order::Wish(Box::new(bad)));
@@ -210,7 +211,8 @@ fn a_probe_tells_cones_and_rays_and_agrees_with_the_method() {
     assert!((sum(|c| c.visibility) - cones.visibility[at]).abs() < 1e-4, "cones add up to the layer");
     assert!((sum(|c| c.error) - cones.error[at]).abs() < 1e-4, "and so do their errors");
     // The rays are those of method rays: 64 of them have its visibility.
-    wished.sides[0] = conray::AoSettings { method: Method::Rays, rays: Some(64), error: None, ..Default::default() };
+    wished.sides[0] =
+        conray::AoSettings { method: Method::Rays, rays: Some(64), error: None, ..Default::default() };
     runner.order(Order::Wish(Box::new(wished)));
     let pictures = runner.until_rest();
     let visibility = pictures.last().unwrap().sides[0].visibility[at];
@@ -271,7 +273,8 @@ fn a_truth_is_found_read_back_and_belongs_to_its_view() {
     let read = runner.until_truth(|truth| truth.key == "read");
     let same = read.visibility.iter().zip(shown.sides[0].visibility.iter());
     assert!(same.into_iter().all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())));
-    runner.order(Order::Ask(Question::ReadExr { key: "gone".into(), source: Source::File("gone.exr".into()) }));
+    runner
+        .order(Order::Ask(Question::ReadExr { key: "gone".into(), source: Source::File("gone.exr".into()) }));
     assert!(runner.until_trouble().message.contains("gone.exr"));
 }
 
@@ -290,7 +293,10 @@ fn messages_survive_as_bytes() {
     let Report::Picture(again) = report else { panic!("a picture was sent") };
     let bits = |plane: &[f32]| plane.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&again.sides[1].visibility), bits(&picture.sides[1].visibility));
-    assert_eq!(bits(&again.sides[0].cones.as_ref().unwrap().alpha), bits(&picture.sides[0].cones.as_ref().unwrap().alpha));
+    assert_eq!(
+        bits(&again.sides[0].cones.as_ref().unwrap().alpha),
+        bits(&picture.sides[0].cones.as_ref().unwrap().alpha)
+    );
     let cut = pack(&Report::Picture(Box::new(picture))).unwrap();
     assert!(unpack::<Report>(&cut[..cut.len() / 2]).is_err());
 }

@@ -1,9 +1,7 @@
 //! One surface point looked at closely: its cones, and where its rays go.
 
 use crate::Session;
-use conray_core::{
-    Frame, Ray, SurfacePoint, Vec3, cosine_hemisphere, hash_u32, owen_sobol_2d,
-};
+use conray_core::{Frame, Ray, SurfacePoint, Vec3, cosine_hemisphere, hash_u32, owen_sobol_2d};
 use conray_estimate::{ConeView, ConeViews};
 
 /// A ray of a surface point and what it met.

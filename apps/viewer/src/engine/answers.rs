@@ -19,7 +19,12 @@ const PROBE_RAYS: u32 = 64;
 const MOST_BOXES: usize = 1500;
 
 /// What a pixel sees; `None` where that is nothing.
-pub(super) fn probe(held: &Held, wish: &Wish, pixel: [u32; 2], side: usize) -> Result<Option<Probe>, Trouble> {
+pub(super) fn probe(
+    held: &Held,
+    wish: &Wish,
+    pixel: [u32; 2],
+    side: usize,
+) -> Result<Option<Probe>, Trouble> {
     let Some(session) = held.sessions.get(side).or(held.sessions.first()) else { return Ok(None) };
     let [width, height] = wish.size;
     let [px, py] = [pixel[0].min(width - 1), pixel[1].min(height - 1)];

@@ -198,7 +198,9 @@ impl Side {
         match ended.map_err(|e| trouble_of(&e))? {
             Ended::Cancelled if timed_out => self.ended = Some(Ended::Time),
             Ended::Cancelled => return Ok(false),
-            Ended::Rays if self.next_rays < goal.rays && self.seconds < goal.seconds.unwrap_or(f64::INFINITY) => {
+            Ended::Rays
+                if self.next_rays < goal.rays && self.seconds < goal.seconds.unwrap_or(f64::INFINITY) =>
+            {
                 self.next_rays = self.next_rays.saturating_mul(2);
             }
             Ended::Rays if self.next_rays < goal.rays => self.ended = Some(Ended::Time),

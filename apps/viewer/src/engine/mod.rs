@@ -23,8 +23,8 @@ pub mod wire;
 
 pub use order::{NamedBytes, Order, Question, Source, Wish};
 pub use report::{
-    Boxes, Built, ConePlanes, Fault, Picture, Plane, Probe, ProbedCone, Report, SceneFacts, SidePicture, Trouble,
-    Truth,
+    Boxes, Built, ConePlanes, Fault, Picture, Plane, Probe, ProbedCone, Report, SceneFacts, SidePicture,
+    Trouble, Truth,
 };
 pub use stop::Stop;
 
@@ -198,11 +198,8 @@ impl Engine {
             return Err(answers::request("there is no whole picture yet; try again in a moment"));
         };
         let settings = answers::truth_settings(&job.wish.sides[0], rays);
-        let options = conray::SessionOptions {
-            threads: 0,
-            device: job.wish.device,
-            adapter: job.wish.adapter.clone(),
-        };
+        let options =
+            conray::SessionOptions { threads: 0, device: job.wish.device, adapter: job.wish.adapter.clone() };
         let session = session.with(&settings, &options, &|_| {}).map_err(|e| scenes::trouble_of(&e))?;
         let refinement = session.refinement(target);
         self.truth = Some(TruthWork { key, rays, done: 0, session, refinement });

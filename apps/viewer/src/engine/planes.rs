@@ -35,7 +35,11 @@ pub(super) struct EstimatePlanes {
     pub(super) cones: Option<ConePlanes>,
 }
 
-pub(super) fn of_estimates(points: &[SurfacePoint], estimates: &[Estimate], size: [u32; 2]) -> EstimatePlanes {
+pub(super) fn of_estimates(
+    points: &[SurfacePoint],
+    estimates: &[Estimate],
+    size: [u32; 2],
+) -> EstimatePlanes {
     let plane = |value: &dyn Fn(&Estimate) -> f32| {
         scattered(size, points.iter().zip(estimates).map(|(point, e)| (point.id, value(e))))
     };

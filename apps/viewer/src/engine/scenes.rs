@@ -1,6 +1,9 @@
 //! The scene that is open, and the sessions that answer for it.
 
-use super::{Fault, Source, Trouble, Wish, report::{Built, SceneFacts}};
+use super::{
+    Fault, Source, Trouble, Wish,
+    report::{Built, SceneFacts},
+};
 use crate::camera::Look;
 use conray::{
     Alpha, AoSettings, Device, Error, Event, Observer, Session, SessionOptions,
@@ -25,7 +28,8 @@ pub(super) struct Held {
 impl Held {
     /// Reads a scene and tells what is in it.
     pub(super) fn open(number: u64, source: Source) -> Result<(Self, SceneFacts), Trouble> {
-        let scene = read(&source).map_err(|message| Trouble { fault: Fault::Input, message, scene: Some(number) })?;
+        let scene =
+            read(&source).map_err(|message| Trouble { fault: Fault::Input, message, scene: Some(number) })?;
         let mut views: Vec<(String, Look)> =
             scene.views.iter().map(|view| (view.name.clone(), Look::of_view(view))).collect();
         views.retain(|(name, _)| name != "whole");
@@ -46,8 +50,7 @@ impl Held {
 
     /// Builds what a wish needs and is not there; where that fails all stays as it was.
     pub(super) fn prepare(&mut self, wish: &Wish, observer: Observer<'_>) -> Result<bool, Trouble> {
-        let options =
-            SessionOptions { threads: 0, device: wish.device, adapter: wish.adapter.clone() };
+        let options = SessionOptions { threads: 0, device: wish.device, adapter: wish.adapter.clone() };
         let same_place = (options.device, &options.adapter) == (self.options.device, &self.options.adapter);
         if self.sides == wish.sides && same_place && !self.sessions.is_empty() {
             return Ok(false);
@@ -92,9 +95,10 @@ impl Held {
         if self.sessions.iter().any(|s| s.octree().is_some()) {
             return Ok(false);
         }
-        let (Some(session), Some(settings)) = (self.sessions.first(), self.sides.first()) else { return Ok(false) };
-        let session =
-            session.with_octree(settings, &self.options, observer).map_err(|e| trouble_of(&e))?;
+        let (Some(session), Some(settings)) = (self.sessions.first(), self.sides.first()) else {
+            return Ok(false);
+        };
+        let session = session.with_octree(settings, &self.options, observer).map_err(|e| trouble_of(&e))?;
         self.sessions[0] = session;
         Ok(true)
     }

@@ -51,7 +51,8 @@ impl State {
         let error = Closure::<dyn FnMut(ErrorEvent)>::new(move |event: ErrorEvent| {
             event.prevent_default();
             let said = event.message();
-            state.tell(trouble(format!("the work failed, maybe for want of memory, and begins anew: {said}")));
+            state
+                .tell(trouble(format!("the work failed, maybe for want of memory, and begins anew: {said}")));
             if let Some(worker) = state.worker.take() {
                 worker.terminate();
             }

@@ -70,7 +70,11 @@ impl Measure {
             (self.moved, self.next_move) = (None, Instant::now() + BETWEEN);
         }
         let timed = self.moves.len() < MOVES + UNTIMED;
-        if timed && self.moved.is_none() && self.viewer.shows_whole_picture() && Instant::now() >= self.next_move {
+        if timed
+            && self.moved.is_none()
+            && self.viewer.shows_whole_picture()
+            && Instant::now() >= self.next_move
+        {
             self.viewer.orbit(0.02, 0.0);
             self.moved = Some(Instant::now());
         }

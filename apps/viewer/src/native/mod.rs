@@ -69,9 +69,7 @@ fn run(options: &Options) -> Result<String, Failed> {
     let ended = ending.lock().map(|mut ending| ending.take());
     match ended {
         Ok(Some(ended)) => ended,
-        _ if ends_itself => {
-            Err(Failed { code: 1, message: "the window was closed before the end".into() })
-        }
+        _ if ends_itself => Err(Failed { code: 1, message: "the window was closed before the end".into() }),
         _ => Ok(String::new()),
     }
 }

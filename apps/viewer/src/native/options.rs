@@ -109,8 +109,11 @@ impl Options {
             && !path.exists()
         {
             let names = BUILTIN_NAMES.join(", ");
-            let built_in =
-                if path.extension().is_none() { format!(", and no built-in scene ({names})") } else { String::new() };
+            let built_in = if path.extension().is_none() {
+                format!(", and no built-in scene ({names})")
+            } else {
+                String::new()
+            };
             return Err(Failed { code: 3, message: format!("{}: no such file{built_in}", self.scene) });
         }
         let choices = self.choices();
@@ -135,7 +138,10 @@ impl Options {
     fn check_screenshot(&self) -> Result<(), Failed> {
         let Some(path) = &self.screenshot else { return Ok(()) };
         if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
-            return Err(Failed { code: 2, message: format!("--screenshot {}: must end in .png", path.display()) });
+            return Err(Failed {
+                code: 2,
+                message: format!("--screenshot {}: must end in .png", path.display()),
+            });
         }
         if self.after.is_some_and(|seconds| !(seconds >= 0.0 && seconds <= 3600.0)) {
             return Err(Failed { code: 2, message: "--after: must be from 0 to 3600 seconds".into() });
@@ -193,7 +199,8 @@ fn parse_point(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn parse_shares(text: &str) -> Result<[f32; 2], String> {
-    let shares = parse_numbers(text).filter(|shares: &[f32; 2]| shares.iter().all(|s| (0.0..=1.0).contains(s)));
+    let shares =
+        parse_numbers(text).filter(|shares: &[f32; 2]| shares.iter().all(|s| (0.0..=1.0).contains(s)));
     shares.ok_or_else(|| "expected two shares from 0 to 1 with a comma between, such as 0.5,0.25".into())
 }
 
@@ -220,8 +227,10 @@ mod tests {
 
     #[test]
     fn options_become_choices() {
-        let words = ["atrium", "--view", "gallery", "--method", "paper", "--layer", "alpha", "--right", "rays"];
-        let start = start(&[&words[..], &["--size", "64x48", "--device", "cpu", "--boxes", "3"]].concat()).unwrap();
+        let words =
+            ["atrium", "--view", "gallery", "--method", "paper", "--layer", "alpha", "--right", "rays"];
+        let start =
+            start(&[&words[..], &["--size", "64x48", "--device", "cpu", "--boxes", "3"]].concat()).unwrap();
         assert_eq!(start.source, Some(Source::Builtin("atrium".into())));
         assert_eq!(start.view.as_deref(), Some("gallery"));
         let choices = start.choices;

@@ -85,6 +85,7 @@ fn write(path: &Path, image: &ColorImage) -> Result<(), Failed> {
     let [width, height] = image.size.map(|side| side as u32);
     let codes: Vec<[f32; 3]> =
         image.pixels.iter().map(|c| [c.r(), c.g(), c.b()].map(|code| f32::from(code) / 255.0)).collect();
-    let written = write_atomically(path, |out| encode_colour_png(out, width, height, &codes, PngDepth::Eight));
+    let written =
+        write_atomically(path, |out| encode_colour_png(out, width, height, &codes, PngDepth::Eight));
     written.map_err(|e| Failed { code: 1, message: e.to_string() })
 }

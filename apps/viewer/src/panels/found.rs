@@ -64,7 +64,9 @@ pub(super) fn found(viewer: &mut Viewer, ui: &mut Ui) {
         column(ui, "probe", [width, height], |ui| match &viewer.shown.probe {
             Some(probe) => probed(viewer, probe, ui),
             None => {
-                ui.weak("Click on the picture: what a point's cones and rays say is shown here, and drawn there.");
+                ui.weak(
+                    "Click on the picture: what a point's cones and rays say is shown here, and drawn there.",
+                );
             }
         });
         ui.separator();
@@ -119,7 +121,11 @@ fn probed(viewer: &Viewer, probe: &Probe, ui: &mut Ui) {
         }
     }
     let open = probe.rays.iter().filter(|(_, hit)| hit.is_none()).count();
-    ui.label(format!("{open} of {} rays drawn are open; AO distance {}", probe.rays.len(), short(probe.distance.into())));
+    ui.label(format!(
+        "{open} of {} rays drawn are open; AO distance {}",
+        probe.rays.len(),
+        short(probe.distance.into())
+    ));
     if probe.cones.is_empty() {
         ui.weak("No cones: there is no octree. Choose method cones or paper, or octree as boxes.");
         return;

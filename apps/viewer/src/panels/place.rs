@@ -1,5 +1,6 @@
 //! Where estimates are made; how the window looks and which keys it knows.
 
+use super::named;
 use crate::app::Viewer;
 use conray::Device;
 use egui::Ui;
@@ -12,7 +13,11 @@ pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
     }
     ui.horizontal(|ui| {
         for (device, name, hint) in [
-            (Device::Auto, "auto", "A graphics processor where there is one and it has all of the method, else the CPU"),
+            (
+                Device::Auto,
+                "auto",
+                "A graphics processor where there is one and it has all of the method, else the CPU",
+            ),
             (Device::Cpu, "CPU", "All cores"),
             (Device::Gpu, "GPU", "A graphics processor, also one that is a program on the CPU"),
         ] {
@@ -24,6 +29,7 @@ pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
         let hint = "part of its name";
         let field = egui::TextEdit::singleline(&mut viewer.fields.adapter).hint_text(hint);
         let field = ui.add(field.desired_width(150.0));
+        named(&field, "part of the adapter's name");
         if field.lost_focus() {
             viewer.choices.adapter = viewer.fields.adapter.clone();
         }

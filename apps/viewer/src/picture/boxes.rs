@@ -27,7 +27,12 @@ pub(super) fn draw(painter: &Painter, viewer: &Viewer, boxes: &Boxes, rect: Rect
             }
         }
     }
-    let mut text = format!("octree level {}: {} nodes, edge {}", boxes.level, boxes.found, crate::text::short(boxes.edge.into()));
+    let mut text = format!(
+        "octree level {}: {} nodes, edge {}",
+        boxes.level,
+        boxes.found,
+        crate::text::short(boxes.edge.into())
+    );
     if boxes.nodes.len() < boxes.found {
         text += &format!("\nthe {} that most pixels lie in are drawn", boxes.nodes.len());
     }

@@ -35,10 +35,11 @@ pub(super) fn draw(painter: &Painter, viewer: &Viewer, rect: Rect) {
 fn rays(painter: &Painter, probe: &Probe, project: &dyn Fn(Vec3) -> Option<Pos2>, reach: f32, centre: Pos2) {
     for (direction, hit) in &probe.rays {
         let length = hit.map_or(reach, |hit| hit.min(reach));
-        let Some(end) = project(Vec3::from(probe.position) + length * Vec3::from(*direction)) else { continue };
+        let Some(end) = project(Vec3::from(probe.position) + length * Vec3::from(*direction)) else {
+            continue;
+        };
         let is_open = hit.is_none();
-        let colour =
-            if is_open { Color32::from_rgb(120, 200, 255) } else { Color32::from_rgb(255, 110, 90) };
+        let colour = if is_open { Color32::from_rgb(120, 200, 255) } else { Color32::from_rgb(255, 110, 90) };
         painter.line_segment([centre, end], Stroke::new(1.0, colour));
         if hit.is_some_and(|hit| hit <= reach) {
             painter.circle_filled(end, 2.0, colour);

@@ -12,11 +12,13 @@ const PIECES: usize = 48;
 /// Draws the legend of a side at its bottom.
 pub(super) fn draw(painter: &Painter, viewer: &Viewer, part: Rect, side: usize) {
     let layer = viewer.choices.layers[side];
-    let Some(range) = viewer.canvas.range(side).filter(|_| viewer.canvas.painted.texture(side).is_some()) else {
+    let Some(range) = viewer.canvas.range(side).filter(|_| viewer.canvas.painted.texture(side).is_some())
+    else {
         return;
     };
     let at_right = side == 1;
-    let corner = if at_right { part.right_bottom() - vec2(8.0, 8.0) } else { part.left_bottom() + vec2(8.0, -8.0) };
+    let corner =
+        if at_right { part.right_bottom() - vec2(8.0, 8.0) } else { part.left_bottom() + vec2(8.0, -8.0) };
     let Some(map) = layer.map() else {
         let align = if at_right { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM };
         plate(painter, corner, align, layer.name());

@@ -65,7 +65,11 @@ fn placed(viewer: &Viewer, room: Rect) -> Rect {
     let scale = (room.width() / width as f32).min(room.height() / height as f32);
     let size = vec2(width as f32, height as f32) * scale;
     // Rounding must not make a picture that fits blurred.
-    if (size - room.size()).abs().max_elem() < 1.0 { room } else { Rect::from_center_size(room.center(), size) }
+    if (size - room.size()).abs().max_elem() < 1.0 {
+        room
+    } else {
+        Rect::from_center_size(room.center(), size)
+    }
 }
 
 /// The line between two sides, dragged with the mouse; true while the pointer is on it.
@@ -108,7 +112,12 @@ fn draw(viewer: &mut Viewer, ui: &Ui, rect: Rect, room: Rect) {
     if viewer.choices.is_split {
         painter.vline(split, rect.y_range(), egui::Stroke::new(3.0, Color32::BLACK));
         painter.vline(split, rect.y_range(), egui::Stroke::new(1.0, Color32::WHITE));
-        painter.circle(pos2(split, rect.center().y), 6.0, Color32::WHITE, egui::Stroke::new(1.5, Color32::BLACK));
+        painter.circle(
+            pos2(split, rect.center().y),
+            6.0,
+            Color32::WHITE,
+            egui::Stroke::new(1.5, Color32::BLACK),
+        );
     }
     if let (Some(boxes), true) = (&viewer.shown.boxes, viewer.fields.boxes.is_some()) {
         boxes::draw(&painter, viewer, boxes, rect);
@@ -136,7 +145,8 @@ fn explain_absence(viewer: &Viewer, painter: &Painter, part: Rect, side: usize, 
         ),
         Some(picture) if layer == Layer::Difference && picture.is_preview() => "working ...".into(),
         Some(_) if layer == Layer::Difference => {
-            "There is no truth of this view and size yet.\nFind it, or drop an EXR of the same size here.".into()
+            "There is no truth of this view and size yet.\nFind it, or drop an EXR of the same size here."
+                .into()
         }
         Some(_) => "working ...".to_string(),
     };
