@@ -78,7 +78,8 @@ impl Viewer {
     }
 
     /// Asks about what is shown.
-    pub(crate) fn ask(&self, question: Question) {
+    pub(crate) fn ask(&mut self, question: Question) {
+        self.shown.busy.get_or_insert_with(|| ("asking".into(), None));
         self.host.order(Order::Ask(question));
     }
 
@@ -156,6 +157,7 @@ impl Viewer {
         let Some(wish) = self.choices.wish(scene, self.canvas.room) else { return };
         if self.last_wish.as_ref() != Some(&wish) {
             self.host.order(Order::Wish(Box::new(wish.clone())));
+            self.shown.busy.get_or_insert_with(|| ("beginning".into(), None));
             self.last_wish = Some(wish);
         }
     }

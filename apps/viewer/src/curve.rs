@@ -108,6 +108,14 @@ impl Axes {
     }
 }
 
+/// Round values between two powers of ten: those of 1, and where there is room of 2 and 5.
+fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
+    let steps: &[f64] = if high - low > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let decades = low.floor() as i32..=high.ceil() as i32;
+    let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
+    all.filter(|value| (low - 1e-9..=high + 1e-9).contains(&value.log10())).collect()
+}
+
 /// Draws the courses, and the error that is to be reached.
 pub(crate) fn show(ui: &mut Ui, curves: &Curves, goal: Option<f32>, size: Vec2) {
     let (outer, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -128,17 +136,15 @@ pub(crate) fn show(ui: &mut Ui, curves: &Curves, goal: Option<f32>, size: Vec2) 
         axes.y[0] = axes.y[0].min(goal.log10().floor());
     }
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, weak), egui::StrokeKind::Middle);
-    for decade in axes.y[0] as i32..=axes.y[1] as i32 {
-        let y = axes.at([1.0, 10f64.powi(decade)]).y;
+    for value in ticks(axes.y) {
+        let y = axes.at([1.0, value]).y;
         painter.hline(rect.x_range(), y, Stroke::new(0.5, weak.gamma_multiply(0.5)));
-        let label = tick(10f64.powi(decade));
-        painter.text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, label, font.clone(), weak);
+        painter.text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, tick(value), font.clone(), weak);
     }
-    for decade in axes.x[0].ceil() as i32..=axes.x[1].floor() as i32 {
-        let x = axes.at([10f64.powi(decade), 1.0]).x;
+    for value in ticks(axes.x) {
+        let x = axes.at([value, 1.0]).x;
         painter.vline(x, rect.y_range(), Stroke::new(0.5, weak.gamma_multiply(0.5)));
-        let label = tick(10f64.powi(decade));
-        painter.text(pos2(x, rect.bottom() + 3.0), Align2::CENTER_TOP, label, font.clone(), weak);
+        painter.text(pos2(x, rect.bottom() + 3.0), Align2::CENTER_TOP, tick(value), font.clone(), weak);
     }
     if let Some(goal) = goals {
         let y = axes.at([1.0, goal]).y;
@@ -175,5 +181,16 @@ pub(crate) fn show(ui: &mut Ui, curves: &Curves, goal: Option<f32>, size: Vec2) 
 fn line(painter: &egui::Painter, axes: &Axes, points: &[[f64; 2]], stroke: Stroke) {
     if points.len() > 1 {
         painter.add(Shape::line(points.iter().map(|&point| axes.at(point)).collect(), stroke));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_within() {
+        assert_eq!(ticks([-2.0, -1.0]), [0.01, 0.02, 0.05, 0.1]);
+        assert_eq!(ticks([-3.0, 0.5]), [0.001, 0.01, 0.1, 1.0]);
     }
 }

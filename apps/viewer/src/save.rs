@@ -9,6 +9,8 @@ pub fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
     let Ok(Value::Object(members)) = serde_json::to_value(settings) else { return Vec::new() };
     let text = |value: Value| match value {
         Value::String(text) => text,
+        // Whole numbers as they are: single precision would round large ones.
+        whole if whole.is_u64() => whole.to_string(),
         other => match other.as_f64() {
             // Single precision, as it was chosen: 0.02 and not 0.019999999552965164.
             Some(number) if f64::from(number as f32) == number => (number as f32).to_string(),

@@ -3,7 +3,7 @@
 mod support;
 
 use conray::{Method, Sampling};
-use conray_viewer::engine::{Fault, NamedBytes, Order, Question, Report, Source};
+use conray_viewer::engine::{Fault, NamedBytes, Order, Question, Report, Source, Wish};
 use std::time::{Duration, Instant};
 use support::{Runner, orbit, wish};
 
@@ -158,8 +158,8 @@ fn settings_that_do_not_go_together_are_told_and_mended_by_the_next_wish() {
     let mut runner = Runner::open("cornell");
     let scene = runner.scene.clone();
     let good = wish(&scene, [64, 48], &[Method::Rays]);
-    for change in [
-        |w: &mut conray_viewer::engine::Wish| w.sides[0].distance = conray::Distance::World(-1.0),
+    let changes: [fn(&mut Wish); 6] = [
+        |w| w.sides[0].distance = conray::Distance::World(-1.0),
         |w| {
             w.sides[0].falloff = conray::Falloff::Linear;
             w.sides[0].distance = conray::Distance::Infinite;
@@ -168,7 +168,8 @@ fn settings_that_do_not_go_together_are_told_and_mended_by_the_next_wish() {
         |w| w.sides[0].max_memory = Some(1),
         |w| w.look.eye = w.look.look_at,
         |w| w.look.vertical_fov_deg = 0.0,
-    ] {
+    ];
+    for change in changes {
         let mut bad = good.clone();
         change(&mut bad);
         runner.order(Order::Wish(Box::new(bad)));

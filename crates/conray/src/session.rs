@@ -85,8 +85,7 @@ impl Session {
         let octree = if settings.method.needs_octree() {
             Some(build_octree(&geometry, &pool, settings, observer, &mut report)?)
         } else {
-            // Whether there would be room for one is told before any work.
-            memory_left(settings, report.bvh_bytes + geometry_bytes(&geometry))?;
+            check_memory(&geometry, settings, &report)?;
             None
         };
         let bvh = Arc::new(bvh);
@@ -268,6 +267,15 @@ pub(crate) fn build_octree(
         observer(Event::Warning { message });
     }
     Ok(Arc::new(octree))
+}
+
+/// Whether scene and BVH alone stay within the memory allowed.
+pub(crate) fn check_memory(
+    geometry: &Geometry,
+    settings: &AoSettings,
+    report: &BuildReport,
+) -> Result<(), SettingsError> {
+    memory_left(settings, report.bvh_bytes + geometry_bytes(geometry)).map(drop)
 }
 
 /// What is left of the memory allowed once the scene and its BVH are there; `None` without a limit.

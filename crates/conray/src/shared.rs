@@ -3,7 +3,7 @@
 use crate::{
     Error, Observer, Session, SessionOptions,
     device::{Chosen, Parts},
-    session::build_octree,
+    session::{build_octree, check_memory},
 };
 use conray_estimate::{AoPlan, AoSettings, Backend};
 use conray_voxel::Octree;
@@ -49,6 +49,7 @@ impl Session {
         let (geometry, bvh, bounds) = (Arc::clone(&self.geometry), Arc::clone(&self.bvh), self.bounds);
         let (plan, pool, mut report) =
             (AoPlan::new(settings, bounds)?, self.pool.clone(), self.report.clone());
+        check_memory(&geometry, settings, &report)?;
         let octree_of = (settings.voxels, settings.max_memory);
         let mut octree = self.octree.clone().filter(|_| octree_of == self.octree_of);
         if octree.is_none() {

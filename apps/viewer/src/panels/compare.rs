@@ -1,5 +1,6 @@
 //! Which methods and layers are shown, what is drawn over them, and what they are compared with.
 
+use super::named;
 use crate::{
     app::Viewer,
     engine::{Question, Source},
@@ -8,6 +9,9 @@ use crate::{
 };
 use conray::Method;
 use egui::{ComboBox, DragValue, Slider, Ui};
+
+/// The octree's level that is drawn first: nodes of sixteen leaves a side.
+const FIRST_LEVEL: u32 = 4;
 
 pub(super) fn sides(viewer: &mut Viewer, ui: &mut Ui) {
     let is_split = viewer.choices.is_split;
@@ -27,20 +31,21 @@ pub(super) fn sides(viewer: &mut Viewer, ui: &mut Ui) {
 fn side(viewer: &mut Viewer, ui: &mut Ui, side: usize, label: &str, method: &mut Method) {
     ui.horizontal(|ui| {
         ui.label(label);
-        ComboBox::from_id_salt(("method", side)).selected_text(method.to_string()).width(70.0).show_ui(
-            ui,
-            |ui| {
-                for one in Method::ALL {
-                    ui.selectable_value(method, one, one.to_string()).on_hover_text(about(one));
-                }
-            },
-        );
+        let list = ComboBox::from_id_salt(("method", side)).selected_text(method.to_string()).width(70.0);
+        let list = list.show_ui(ui, |ui| {
+            for one in Method::ALL {
+                ui.selectable_value(method, one, one.to_string()).on_hover_text(about(one));
+            }
+        });
+        named(&list.response, ["method", "method at the right"][side]);
         let layer = &mut viewer.choices.layers[side];
-        ComboBox::from_id_salt(("layer", side)).selected_text(layer.name()).width(150.0).show_ui(ui, |ui| {
+        let list = ComboBox::from_id_salt(("layer", side)).selected_text(layer.name()).width(150.0);
+        let list = list.show_ui(ui, |ui| {
             for one in Layer::ALL {
                 ui.selectable_value(layer, one, one.name());
             }
         });
+        named(&list.response, ["layer", "layer at the right"][side]);
     });
     let layer = viewer.choices.layers[side];
     if layer.needs_cones() && !method.needs_octree() {
@@ -61,7 +66,8 @@ fn side(viewer: &mut Viewer, ui: &mut Ui, side: usize, label: &str, method: &mut
             }
             if let Some(high) = chosen {
                 let speed = (*high * 0.02).max(1e-4);
-                ui.add(DragValue::new(high).range(1e-5..=1e6).speed(speed).max_decimals(5));
+                let value = DragValue::new(high).range(1e-5..=1e6).speed(speed).max_decimals(5);
+                named(&ui.add(value), "upper end of the colours");
             }
         });
     }
@@ -81,10 +87,11 @@ pub(super) fn inside(viewer: &mut Viewer, ui: &mut Ui) {
     let mut shows = viewer.fields.boxes.is_some();
     let hint = "The nodes of one level that the seen surfaces lie in, coloured by mean opacity";
     if ui.checkbox(&mut shows, "octree as boxes").on_hover_text(hint).changed() {
-        viewer.fields.boxes = shows.then_some(4.min(levels.saturating_sub(1).max(4)));
+        viewer.fields.boxes = shows.then_some(FIRST_LEVEL);
     }
     if let Some(level) = &mut viewer.fields.boxes {
-        let most = levels.saturating_sub(1).max(1);
+        // Before an octree is there nothing is known of its levels.
+        let most = if levels > 0 { levels - 1 } else { (*level).max(FIRST_LEVEL) };
         ui.add(Slider::new(level, 0..=most).text("level (0: leaves)"));
     }
     ui.horizontal(|ui| {
@@ -113,7 +120,8 @@ pub(super) fn truth(viewer: &mut Viewer, ui: &mut Ui) {
         }
     }
     ui.horizontal(|ui| {
-        ui.add(DragValue::new(&mut viewer.fields.truth_rays).range(64..=16384).suffix(" rays a pixel"));
+        let rays = DragValue::new(&mut viewer.fields.truth_rays).range(64..=16384).suffix(" rays a pixel");
+        named(&ui.add(rays), "rays a pixel of the truth");
         if ui.button("Find it").on_hover_text("By rays of another seed; refining goes on after it").clicked()
         {
             viewer.ask(Question::Truth { key: key.clone(), rays: viewer.fields.truth_rays });
@@ -128,11 +136,8 @@ pub(super) fn truth(viewer: &mut Viewer, ui: &mut Ui) {
     }
     ui.horizontal(|ui| {
         let width = ui.available_width() - 60.0;
-        ui.add(
-            egui::TextEdit::singleline(&mut viewer.fields.truth)
-                .desired_width(width)
-                .hint_text("path of an EXR"),
-        );
+        let field = egui::TextEdit::singleline(&mut viewer.fields.truth).desired_width(width);
+        named(&ui.add(field.hint_text("path of an EXR")), "path of an EXR");
         if ui.button("Read").clicked() {
             let source = Source::File(viewer.fields.truth.trim().into());
             viewer.read_truth(source);

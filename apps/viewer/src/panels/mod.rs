@@ -80,3 +80,8 @@ pub(crate) fn bottom(viewer: &mut Viewer, ui: &mut Ui) {
         Panel::bottom("found").exact_size(172.0).show(ui, |ui| found::found(viewer, ui));
     }
 }
+
+/// Gives a control a name for screen readers and tests, where no text beside it is its own.
+fn named(response: &egui::Response, name: &str) {
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name.to_owned()));
+}

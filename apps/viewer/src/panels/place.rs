@@ -1,5 +1,6 @@
 //! Where estimates are made; how the window looks and which keys it knows.
 
+use super::named;
 use crate::app::Viewer;
 use conray::Device;
 use egui::Ui;
@@ -37,6 +38,7 @@ pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
         let hint = "part of its name";
         let field = egui::TextEdit::singleline(&mut viewer.fields.adapter).hint_text(hint);
         let field = ui.add(field.desired_width(150.0));
+        named(&field, "part of the adapter's name");
         if field.lost_focus() {
             viewer.choices.adapter = viewer.fields.adapter.clone();
         }

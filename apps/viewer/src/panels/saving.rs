@@ -1,5 +1,6 @@
 //! Files, and the command that makes the same picture.
 
+use super::named;
 use crate::{app::Viewer, engine::Question};
 use egui::Ui;
 
@@ -8,7 +9,7 @@ pub(super) fn saving(viewer: &mut Viewer, ui: &mut Ui) {
     let sides = if viewer.choices.is_split { 2 } else { 1 };
     let on_page = cfg!(target_arch = "wasm32");
     ui.horizontal(|ui| {
-        path(ui, &mut viewer.fields.png);
+        path(ui, &mut viewer.fields.png, "file of the PNG");
         if ui
             .button("Save PNG")
             .on_hover_text("The picture as it is shown, without what is drawn over it")
@@ -18,7 +19,7 @@ pub(super) fn saving(viewer: &mut Viewer, ui: &mut Ui) {
         }
     });
     ui.horizontal(|ui| {
-        path(ui, &mut viewer.fields.exr);
+        path(ui, &mut viewer.fields.exr, "file of the EXR");
         for side in 0..sides {
             let name = match (sides, side) {
                 (1, _) => "Save EXR",
@@ -39,19 +40,14 @@ pub(super) fn saving(viewer: &mut Viewer, ui: &mut Ui) {
         }
         ui.label(["This picture by the program:", "That at the right:"][side]);
         let id = ui.scope_id().with(("command", side));
-        ui.add(
-            egui::TextEdit::multiline(&mut command)
-                .id(id)
-                .code_editor()
-                .desired_rows(3)
-                .desired_width(f32::INFINITY),
-        );
+        let field = egui::TextEdit::multiline(&mut command).id(id).code_editor().desired_rows(3);
+        named(&ui.add(field.desired_width(f32::INFINITY)), "command");
         if ui.button("Copy").clicked() {
             ui.ctx().copy_text(command);
         }
     }
 }
 
-fn path(ui: &mut Ui, path: &mut String) {
-    ui.add(egui::TextEdit::singleline(path).desired_width(110.0));
+fn path(ui: &mut Ui, path: &mut String, name: &str) {
+    named(&ui.add(egui::TextEdit::singleline(path).desired_width(110.0)), name);
 }

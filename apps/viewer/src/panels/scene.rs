@@ -1,5 +1,6 @@
 //! Which scene, and from where.
 
+use super::named;
 use crate::{app::Viewer, choices::PictureSize, engine::Source, text::count};
 use conray::scene::BUILTIN_NAMES;
 use egui::{ComboBox, DragValue, Slider, Ui};
@@ -12,7 +13,8 @@ pub(super) fn scene(viewer: &mut Viewer, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label("Built in");
         let mut chosen = None;
-        ComboBox::from_id_salt("built-in scene").selected_text(name).width(150.0).show_ui(ui, |ui| {
+        let list = ComboBox::from_id_salt("built-in scene").selected_text(name).width(150.0);
+        let list = list.show_ui(ui, |ui| {
             for builtin in BUILTIN_NAMES {
                 let is_open = viewer.fields.scene == builtin;
                 if ui.selectable_label(is_open, builtin).clicked() {
@@ -20,6 +22,7 @@ pub(super) fn scene(viewer: &mut Viewer, ui: &mut Ui) {
                 }
             }
         });
+        named(&list.response, "built-in scene");
         if let Some(source) = chosen {
             viewer.open(source);
         }
@@ -31,6 +34,7 @@ pub(super) fn scene(viewer: &mut Viewer, ui: &mut Ui) {
             let width = ui.available_width() - 60.0;
             let field = egui::TextEdit::singleline(&mut viewer.fields.scene).desired_width(width);
             let field = ui.add(field.hint_text("path of a model"));
+            named(&field, "path of a model");
             let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if ui.button("Open").clicked() || entered {
                 let word = viewer.fields.scene.trim().to_owned();
@@ -61,13 +65,14 @@ pub(super) fn view(viewer: &mut Viewer, ui: &mut Ui) {
         let name = current.map_or("moved".to_owned(), |(name, _)| name.clone());
         ui.horizontal(|ui| {
             ui.label("View");
-            ComboBox::from_id_salt("view").selected_text(name).width(150.0).show_ui(ui, |ui| {
+            let list = ComboBox::from_id_salt("view").selected_text(name).width(150.0).show_ui(ui, |ui| {
                 for (name, view) in &scene.views {
                     if ui.selectable_label(*view == look, name).clicked() {
                         viewer.choices.look = Some(*view);
                     }
                 }
             });
+            named(&list.response, "view");
             let reset = ui.button("Reset").on_hover_text("Back to the first view (Home)");
             if reset.clicked() {
                 reset_view(viewer);
@@ -88,9 +93,9 @@ pub(super) fn view(viewer: &mut Viewer, ui: &mut Ui) {
             viewer.choices.size = if is_fixed { PictureSize::Fixed(room) } else { PictureSize::Fit };
         }
         if let PictureSize::Fixed([width, height]) = &mut viewer.choices.size {
-            ui.add(DragValue::new(width).range(1..=MOST_SIDE).suffix(" px"));
+            named(&ui.add(DragValue::new(width).range(1..=MOST_SIDE).suffix(" px")), "width");
             ui.label("x");
-            ui.add(DragValue::new(height).range(1..=MOST_SIDE).suffix(" px"));
+            named(&ui.add(DragValue::new(height).range(1..=MOST_SIDE).suffix(" px")), "height");
         }
     });
 }

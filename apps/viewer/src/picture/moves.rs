@@ -65,7 +65,8 @@ fn dragged(look: Look, ui: &Ui, response: &Response, rect: Rect) -> Look {
 fn wheeled(look: Look, ui: &Ui) -> Look {
     let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
     // A pinch by a factor is as many steps as come to it.
-    look.zoom(wheel / WHEEL_POINTS + pinch.ln() * 7.0)
+    let steps = wheel / WHEEL_POINTS + pinch.ln() * 7.0;
+    if steps == 0.0 { look } else { look.zoom(steps) }
 }
 
 fn keyed(look: Look, viewer: &Viewer, ui: &Ui, response: &Response) -> Look {

@@ -13,15 +13,15 @@ use std::{
 /// Nothing that is waited for takes longer, on any machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-pub struct Runner {
+pub(crate) struct Runner {
     host: ThreadHost,
     waiting: VecDeque<Report>,
-    pub scene: SceneFacts,
+    pub(crate) scene: SceneFacts,
 }
 
 impl Runner {
     /// An engine that has opened a built-in scene.
-    pub fn open(scene: &str) -> Self {
+    pub(crate) fn open(scene: &str) -> Self {
         let host = ThreadHost::start(|| {});
         let empty = SceneFacts {
             number: 0,
@@ -40,7 +40,7 @@ impl Runner {
     }
 
     /// Gives an order; what was told before it is forgotten.
-    pub fn order(&mut self, order: Order) {
+    pub(crate) fn order(&mut self, order: Order) {
         self.host.reports();
         self.waiting.clear();
         self.host.order(order);
@@ -59,7 +59,7 @@ impl Runner {
     }
 
     /// The next report of a kind.
-    pub fn until(&mut self, is_it: impl Fn(&Report) -> bool) -> Report {
+    pub(crate) fn until(&mut self, is_it: impl Fn(&Report) -> bool) -> Report {
         loop {
             let report = self.next();
             if is_it(&report) {
@@ -69,14 +69,14 @@ impl Runner {
     }
 
     /// The next report of a kind, with what follows it until nothing is left to do.
-    pub fn answer(&mut self, is_it: impl Fn(&Report) -> bool) -> Report {
+    pub(crate) fn answer(&mut self, is_it: impl Fn(&Report) -> bool) -> Report {
         let answer = self.until(is_it);
         self.until(|report| matches!(report, Report::Idle));
         answer
     }
 
     /// All reports until nothing is left to do; trouble is a failure.
-    pub fn all_until_rest(&mut self) -> Vec<Report> {
+    pub(crate) fn all_until_rest(&mut self) -> Vec<Report> {
         let mut all = Vec::new();
         loop {
             match self.next() {
@@ -88,7 +88,7 @@ impl Runner {
     }
 
     /// The pictures until nothing is left to do.
-    pub fn until_rest(&mut self) -> Vec<Picture> {
+    pub(crate) fn until_rest(&mut self) -> Vec<Picture> {
         let pictures = self.all_until_rest().into_iter().filter_map(|report| match report {
             Report::Picture(picture) => Some(*picture),
             _ => None,
@@ -96,35 +96,35 @@ impl Runner {
         pictures.collect()
     }
 
-    pub fn until_picture(&mut self, is_it: impl Fn(&Picture) -> bool) -> Picture {
+    pub(crate) fn until_picture(&mut self, is_it: impl Fn(&Picture) -> bool) -> Picture {
         match self.until(|report| matches!(report, Report::Picture(picture) if is_it(picture))) {
             Report::Picture(picture) => *picture,
             _ => unreachable!(),
         }
     }
 
-    pub fn until_trouble(&mut self) -> Trouble {
+    pub(crate) fn until_trouble(&mut self) -> Trouble {
         match self.answer(|report| matches!(report, Report::Trouble(_))) {
             Report::Trouble(trouble) => trouble,
             _ => unreachable!(),
         }
     }
 
-    pub fn until_probe(&mut self) -> Option<Probe> {
+    pub(crate) fn until_probe(&mut self) -> Option<Probe> {
         match self.answer(|report| matches!(report, Report::Probe(_))) {
             Report::Probe(probe) => probe.map(|probe| *probe),
             _ => unreachable!(),
         }
     }
 
-    pub fn until_boxes(&mut self) -> Boxes {
+    pub(crate) fn until_boxes(&mut self) -> Boxes {
         match self.answer(|report| matches!(report, Report::Boxes(_))) {
             Report::Boxes(boxes) => boxes,
             _ => unreachable!(),
         }
     }
 
-    pub fn until_truth(&mut self, is_it: impl Fn(&Truth) -> bool) -> Truth {
+    pub(crate) fn until_truth(&mut self, is_it: impl Fn(&Truth) -> bool) -> Truth {
         match self.answer(|report| matches!(report, Report::Truth(truth) if is_it(truth))) {
             Report::Truth(truth) => truth,
             _ => unreachable!(),
@@ -133,7 +133,7 @@ impl Runner {
 }
 
 /// The first view of a scene by some methods, to an error that is soon reached.
-pub fn wish(scene: &SceneFacts, size: [u32; 2], methods: &[Method]) -> Wish {
+pub(crate) fn wish(scene: &SceneFacts, size: [u32; 2], methods: &[Method]) -> Wish {
     let side = |&method: &Method| AoSettings {
         method,
         error: method.has_budget().then_some(0.02),
@@ -152,6 +152,6 @@ pub fn wish(scene: &SceneFacts, size: [u32; 2], methods: &[Method]) -> Wish {
 }
 
 /// The same from a little to the side.
-pub fn orbit(wish: &Wish, yaw_rad: f32) -> Wish {
+pub(crate) fn orbit(wish: &Wish, yaw_rad: f32) -> Wish {
     Wish { look: wish.look.orbit(yaw_rad, 0.0), ..wish.clone() }
 }
