@@ -134,7 +134,7 @@ fn write_outputs(
             let depth = if args.bits == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
             target::write_png(path, &layers, depth)?;
         } else {
-            let mut attributes = report::settings_text(settings);
+            let mut attributes = conray::settings_text(settings);
             attributes.push(("scene".into(), args.scene.clone()));
             attributes.push(("world-distance".into(), session.plan().distance.to_string()));
             attributes.push(("version".into(), env!("CARGO_PKG_VERSION").into()));

@@ -1,7 +1,9 @@
 //! What the program tells while it works and when it is done.
 
 use crate::explain;
-use conray::{AoPlan, AoSettings, Budget, BuildReport, Event, Outcome, Stage, Work, scene::Scene};
+use conray::{
+    AoPlan, AoSettings, Budget, BuildReport, Event, Outcome, Stage, Work, changed_settings, scene::Scene,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -109,28 +111,6 @@ fn event_json(event: &Event) -> Value {
         }
         Event::Warning { message } => json!({ "event": "warning", "message": message }),
     }
-}
-
-/// Settings that differ from the defaults, as options of the program.
-pub(crate) fn changed_settings(settings: &AoSettings) -> Vec<(String, String)> {
-    let defaults = settings_text(&AoSettings::default());
-    settings_text(settings).into_iter().filter(|pair| !defaults.contains(pair)).collect()
-}
-
-/// Every setting as text.
-pub(crate) fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
-    let Ok(Value::Object(members)) = serde_json::to_value(settings) else { return Vec::new() };
-    let text = |value: Value| match value {
-        Value::String(text) => text,
-        // Whole numbers as they are: single precision would round large ones.
-        whole if whole.is_u64() => whole.to_string(),
-        other => match other.as_f64() {
-            // Single precision, as it was asked for: 0.02 and not 0.019999999552965164.
-            Some(number) if f64::from(number as f32) == number => (number as f32).to_string(),
-            _ => other.to_string(),
-        },
-    };
-    members.into_iter().map(|(name, value)| (name, text(value))).collect()
 }
 
 /// Lines about builds, work and memory.

@@ -1,24 +1,7 @@
 //! What is kept of what is shown: files, and the command that makes the same picture.
 
 use crate::{camera::Look, engine::SceneFacts};
-use conray::{AoSettings, Device};
-use serde_json::Value;
-
-/// Every setting as text, by its name as an option of the program.
-pub fn settings_text(settings: &AoSettings) -> Vec<(String, String)> {
-    let Ok(Value::Object(members)) = serde_json::to_value(settings) else { return Vec::new() };
-    let text = |value: Value| match value {
-        Value::String(text) => text,
-        // Whole numbers as they are: single precision would round large ones.
-        whole if whole.is_u64() => whole.to_string(),
-        other => match other.as_f64() {
-            // Single precision, as it was chosen: 0.02 and not 0.019999999552965164.
-            Some(number) if f64::from(number as f32) == number => (number as f32).to_string(),
-            _ => other.to_string(),
-        },
-    };
-    members.into_iter().map(|(name, value)| (name, text(value))).collect()
-}
+use conray::{AoSettings, Device, changed_settings};
 
 /// The words of `conray render` that make the picture of a side.
 pub fn command(
@@ -41,9 +24,7 @@ pub fn command(
         }
     }
     words.extend(["--size".into(), format!("{}x{}", size[0], size[1])]);
-    let defaults = settings_text(&AoSettings::default());
-    let changed = settings_text(settings).into_iter().filter(|pair| !defaults.contains(pair));
-    words.extend(changed.map(|(name, value)| format!("--{name}={value}")));
+    words.extend(changed_settings(settings).into_iter().map(|(name, value)| format!("--{name}={value}")));
     let device = match device {
         Device::Auto => None,
         Device::Cpu => Some("cpu"),

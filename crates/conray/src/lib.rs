@@ -38,6 +38,7 @@ mod shared;
 mod state;
 mod threads;
 mod together;
+mod words;
 mod work;
 
 pub use conray_bvh::Hit;
@@ -64,4 +65,5 @@ pub use events::{Event, Observer, Stage};
 pub use looking::RayView;
 pub use refinement::Refinement;
 pub use session::{BuildReport, Session, SessionOptions};
+pub use words::{changed_settings, settings_text};
 pub use work::{Outcome, Work};

@@ -35,4 +35,4 @@ pub use device::{AdapterFacts, Gpu, adapters};
 pub use error::GpuError;
 pub use frame::{FrameCamera, FrameFound, FramePixel, Frames};
 pub use layouts::{StructLayout, layouts};
-pub use shader::{SHADERS, source};
+pub use shader::{entry_points, source};

@@ -6,24 +6,7 @@ macro_rules! files {
     };
 }
 
-/// Entry points, by the names of their files.
-pub const SHADERS: [&str; 14] = [
-    "rays.wgsl",
-    "cones.wgsl",
-    "cone_rays.wgsl",
-    "bundles.wgsl",
-    "weigh_units.wgsl",
-    "weigh_begin.wgsl",
-    "weigh_cells.wgsl",
-    "weigh_guess.wgsl",
-    "weigh_sums.wgsl",
-    "weigh_everywhere.wgsl",
-    "weigh.wgsl",
-    "see.wgsl",
-    "lattice.wgsl",
-    "resolve.wgsl",
-];
-
+/// All files, entry points first.
 const FILES: &[(&str, &str)] = files![
     "rays.wgsl",
     "cones.wgsl",
@@ -58,6 +41,11 @@ const FILES: &[(&str, &str)] = files![
     "shared/state.wgsl",
     "shared/sums.wgsl",
 ];
+
+/// Entry points, by the names of their files.
+pub fn entry_points() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(file, _)| *file).filter(|file| !file.starts_with("shared/"))
+}
 
 /// The text of a shader: each line `//#include FILE` stands for that file, at its first mention.
 ///

@@ -3,7 +3,7 @@
 use crate::{
     args::{BakeArgs, ToArg},
     failure::Failure,
-    report::{self, Reporter},
+    report::Reporter,
 };
 use conray::{
     Event, Session,
@@ -123,7 +123,7 @@ impl Output {
                         let bytes = png(map, options);
                         target::write_atomically(&path, |out| out.write_all(&bytes))?;
                     } else {
-                        let mut attributes = report::settings_text(&args.ao.settings());
+                        let mut attributes = conray::settings_text(&args.ao.settings());
                         attributes.push(("model".into(), args.model().display().to_string()));
                         attributes.push(("world-distance".into(), session.plan().distance.to_string()));
                         if args.bent().is_some_and(|bent| bent.space() == BentSpace::Tangent) {

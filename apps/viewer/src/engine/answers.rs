@@ -95,7 +95,7 @@ pub(super) fn layers(
         return Err(request("there is no whole picture yet; try again in a moment"));
     };
     let layers = target.resolve(&estimates).map_err(|e| trouble_of(&e.into()))?;
-    let mut attributes = crate::save::settings_text(&job.wish.sides[side]);
+    let mut attributes = conray::settings_text(&job.wish.sides[side]);
     attributes.push(("scene".into(), scene.into()));
     if let Some(session) = held.sessions.get(side) {
         attributes.push(("world-distance".into(), session.plan().distance.to_string()));
