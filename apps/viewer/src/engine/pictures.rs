@@ -7,9 +7,15 @@ use conray::{
     target::Camera,
 };
 use std::sync::Arc;
+use web_time::Instant;
 
 /// Rays a pixel of a first picture.
 const FIRST_RAYS: f32 = 1.0;
+/// Nobody can interrupt a device: more rays than before are asked for where it answered sooner than this, fewer where it took longer than that.
+const SOON_SECONDS: f64 = 0.1;
+const LATE_SECONDS: f64 = 0.25;
+/// Rays a pixel that are asked for at once: with fewer the weighing that follows takes longer than they do.
+const RAYS: [f32; 2] = [1.0, 16.0];
 
 /// A scene on a device, and room for pictures of one size.
 pub(super) struct Pictures {
@@ -17,6 +23,8 @@ pub(super) struct Pictures {
     /// By whose settings, and how large.
     made_for: Option<(Vec<AoSettings>, [u32; 2])>,
     frames: Option<Frames>,
+    /// Rays a pixel that are asked for next.
+    rays: f32,
 }
 
 /// The picture of one side so far.
@@ -35,7 +43,7 @@ impl Pictures {
     pub(super) async fn open(session: &Session, adapter: Option<&str>) -> Result<Self, GpuError> {
         let gpu = Gpu::open_later(adapter).await?;
         let backend = GpuBackend::new(gpu, Some(session.geometry()), None)?;
-        Ok(Self { backend: Arc::new(backend), made_for: None, frames: None })
+        Ok(Self { backend: Arc::new(backend), made_for: None, frames: None, rays: FIRST_RAYS })
     }
 
     /// Where they are made, for people.
@@ -63,9 +71,17 @@ impl Pictures {
             self.made_for = Some((wish.sides.clone(), wish.size));
         }
         let Some(frames) = &mut self.frames else { return Err(GpuError::NotUploaded(plan.method)) };
-        let found = match before {
-            Some(_) if is_same => frames.refine_later(&RayErrors::UNKNOWN).await?,
-            _ => frames.render_later(&camera_of(wish)?, FIRST_RAYS, &RayErrors::UNKNOWN).await?,
+        let start = Instant::now();
+        let (found, is_first) = match before {
+            Some(_) if is_same => (frames.refine_later(self.rays, &RayErrors::UNKNOWN).await?, false),
+            _ => (frames.render_later(&camera_of(wish)?, FIRST_RAYS, &RayErrors::UNKNOWN).await?, true),
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        self.rays = match seconds {
+            _ if is_first => FIRST_RAYS,
+            soon if soon < SOON_SECONDS => (2.0 * self.rays).min(RAYS[1]),
+            late if late > LATE_SECONDS => (0.5 * self.rays).max(RAYS[0]),
+            _ => self.rays,
         };
         Ok(Drawn { found, pixels: frames.pixels_later().await? })
     }

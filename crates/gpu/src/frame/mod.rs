@@ -177,20 +177,24 @@ impl Frames {
         self.pass(Some(camera), errors).await
     }
 
-    /// Adds rays to the picture that was made last: as many as it has, until every pixel has sixteen, then as many again each time.
+    /// Adds about so many rays a pixel to the picture that was made last, 1/16 to 16: every pixel has sixteen before another has more, and so on.
     ///
     /// # Errors
     /// A device that fails.
-    pub fn refine(&mut self, errors: &RayErrors) -> Result<FrameFound, GpuError> {
-        pollster::block_on(self.refine_later(errors))
+    pub fn refine(&mut self, rays_per_pixel: f32, errors: &RayErrors) -> Result<FrameFound, GpuError> {
+        pollster::block_on(self.refine_later(rays_per_pixel, errors))
     }
 
     /// The same as a future.
     ///
     /// # Errors
     /// A device that fails.
-    pub async fn refine_later(&mut self, errors: &RayErrors) -> Result<FrameFound, GpuError> {
-        self.last = self.last.next();
+    pub async fn refine_later(
+        &mut self,
+        rays_per_pixel: f32,
+        errors: &RayErrors,
+    ) -> Result<FrameFound, GpuError> {
+        self.last = self.last.next(rays_per_pixel);
         self.pass(None, errors).await
     }
 
