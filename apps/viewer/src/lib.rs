@@ -34,6 +34,6 @@ mod text;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod native;
 #[cfg(target_arch = "wasm32")]
-mod web;
+pub mod web;
 
 pub use app::{Start, Viewer};

@@ -1,4 +1,7 @@
-//! The program `conray-viewer`; the page starts in the library.
+//! The program `conray-viewer`. For browsers it is the module that the page loads: what JavaScript calls is in the library.
+
+#[cfg(target_arch = "wasm32")]
+use conray_viewer as _;
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {

@@ -34,10 +34,17 @@ use conray::{Budget, Control, Device, Refinement, Session, target::Target};
 use job::{Job, Step};
 use pace::Pace;
 use scenes::{Held, stage_of};
-use std::collections::VecDeque;
+use std::{
+    collections::VecDeque,
+    sync::atomic::{AtomicU64, Ordering},
+};
+use web_time::Instant;
 
 /// Rays of a truth between two looks at what is newer.
 const TRUTH_PASS: u32 = 64;
+
+/// Milliseconds between two words on how far a round is.
+const TELL_MS: u64 = 120;
 
 /// Works on the newest wish.
 #[derive(Default)]
@@ -156,7 +163,15 @@ impl Engine {
             self.is_idle = true;
             return Ok(());
         };
-        let tell = |share| report(Report::Busy("refining".into(), Some(share)));
+        // Each word wakes the window: seldom is enough.
+        let (begun, told) = (Instant::now(), AtomicU64::new(0));
+        let tell = |share| {
+            let now = begun.elapsed().as_millis() as u64;
+            if now >= TELL_MS + told.load(Ordering::Relaxed) {
+                told.store(now, Ordering::Relaxed);
+                report(Report::Busy("refining".into(), Some(share)));
+            }
+        };
         let work = job::Means {
             sessions: &held.sessions,
             #[cfg(feature = "gpu")]

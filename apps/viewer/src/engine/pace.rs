@@ -1,7 +1,7 @@
 //! How many pixels a first picture may have to be there at once.
 
-/// What a first picture may take: with what comes before and after it, a tenth of a second.
-const FIRST_PICTURE_SECONDS: f64 = 0.055;
+/// What a first picture may take. With the end of what it interrupts, and the frame that shows it, that makes about a tenth of a second on two cores.
+const FIRST_PICTURE_SECONDS: f64 = 0.03;
 /// Sides of the wanted size are divided by at most this.
 const MOST: u32 = 12;
 /// Before anything was measured.
@@ -38,7 +38,7 @@ mod tests {
     fn slow_machines_get_fewer_pixels_and_fast_ones_all() {
         let mut pace = Pace::default();
         assert_eq!(pace.divisor(512 * 512), UNKNOWN);
-        pace.note(1 << 14, 0.055);
+        pace.note(1 << 14, FIRST_PICTURE_SECONDS);
         assert_eq!(pace.divisor(1 << 14), 1);
         assert_eq!(pace.divisor(1 << 18), 4, "sixteen times the pixels");
         pace.note(1 << 14, 10.0);

@@ -60,8 +60,8 @@ impl Measure {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
 
-    /// Notes the first picture of the last move, then moves again when it is time.
-    fn move_camera(&mut self) {
+    /// Notes the first picture of the last move.
+    fn note_picture(&mut self) {
         if let Some(moved) = self.moved
             && let Some(size) = self.viewer.shows_present_view()
         {
@@ -69,6 +69,10 @@ impl Measure {
             self.previews.push(size.map(u64::from));
             (self.moved, self.next_move) = (None, Instant::now() + BETWEEN);
         }
+    }
+
+    /// Moves again when it is time.
+    fn move_camera(&mut self) {
         let timed = self.moves.len() < MOVES + UNTIMED;
         if timed
             && self.moved.is_none()
@@ -143,9 +147,11 @@ fn spread(seconds: &[f64]) -> String {
 impl eframe::App for Measure {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let begun = Instant::now();
-        self.viewer.show(ui);
         let ctx = ui.ctx().clone();
+        // As by the mouse: the frame that moves the camera is the one that asks for its picture.
         self.move_camera();
+        self.viewer.show(ui);
+        self.note_picture();
         if self.moves.len() >= MOVES + UNTIMED {
             if self.inputs.is_empty() && self.waited.is_none() && self.moved.is_none() {
                 // The first input; the moves are over and refining goes on.
