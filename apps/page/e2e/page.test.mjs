@@ -81,6 +81,9 @@ test('it is loaded, turned, switched, and shows what is dropped on it', async ()
         assert.ok(first < FIRST_PICTURE_MS, `${first} ms`);
         const loaded = await until(page, 'all pixels', isBy('hybrid'));
         assert.equal(loaded.scene, 'cornell');
+        // Method hybrid is made on the device, by the browser's WebGPU.
+        assert.match(String(loaded.places), /webgpu/i);
+        await until(page, 'an error of 0.03 there', (facts) => isBy('hybrid')(facts) && facts.sides[0].expected_rmse < 0.03);
         const seen = await colours(page, places(loaded));
         assert.ok(seen.every(isGrey) && seen.some(([r]) => r > 150), `greys of the room: ${JSON.stringify(seen)}`);
 
@@ -130,6 +133,8 @@ test('without WebGPU it draws with WebGL, and without shared memory the worker s
         const loaded = await until(page, 'all pixels', isBy('hybrid'));
         assert.equal(await page.evaluate(() => globalThis.conray.by), 'WebGL');
         assert.equal(await page.evaluate(() => globalThis.conray.isShared), false);
+        const alone = await until(page, 'a word about the CPU', ({ messages }) => messages.some((text) => /no graphics adapter/.test(text)));
+        assert.match(String(alone.places), /^CPU/);
         const seen = await colours(page, places(loaded));
         assert.ok(seen.every(isGrey) && seen.some(([r]) => r > 150), JSON.stringify(seen));
         await page.keyboard.press('m');

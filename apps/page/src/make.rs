@@ -61,17 +61,7 @@ fn build(root: &Path) -> Result<PathBuf, String> {
     let flags = format!("{} -C target-feature=+simd128", env::var("RUSTFLAGS").unwrap_or_default());
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root).env("RUSTFLAGS", flags.trim());
-    cargo.args([
-        "build",
-        "--release",
-        "--no-default-features",
-        "--bin",
-        VIEWER,
-        "-p",
-        VIEWER,
-        "--target",
-        TARGET,
-    ]);
+    cargo.args(["build", "--release", "--bin", VIEWER, "-p", VIEWER, "--target", TARGET]);
     let status = cargo.status().map_err(|e| format!("cargo cannot be run: {e}"))?;
     if !status.success() {
         return Err("the viewer does not build; see above".into());

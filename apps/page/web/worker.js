@@ -6,7 +6,9 @@ let engine;
 let shared;
 let seen = 0;
 let isRunning = false;
-const early = [];
+let isWorking = false;
+// Orders that came in before the engine was there, or while it waited for a device.
+const waiting = [];
 const next = new MessageChannel();
 
 globalThis.conray_post = (bytes) => postMessage(bytes.buffer, [bytes.buffer]);
@@ -14,9 +16,13 @@ globalThis.conray_post = (bytes) => postMessage(bytes.buffer, [bytes.buffer]);
 globalThis.conray_is_newer = () => shared !== undefined && Atomics.load(shared, 0) !== seen;
 
 /** Does a piece of work, then lets orders in before the next. */
-function run() {
-    isRunning = engine.step();
-    if (isRunning) next.port2.postMessage(null);
+async function run() {
+    isWorking = true;
+    const hasMore = await engine.step();
+    isWorking = false;
+    isRunning = hasMore;
+    if (hasMore) next.port2.postMessage(null);
+    waiting.splice(0).forEach(take);
 }
 next.port1.onmessage = run;
 
@@ -31,12 +37,12 @@ function take(buffer) {
 
 onmessage = async ({ data }) => {
     if (data instanceof ArrayBuffer) {
-        if (engine) take(data);
-        else early.push(data);
+        if (engine && !isWorking) take(data);
+        else waiting.push(data);
         return;
     }
     ({ shared, seen } = data);
     await init({ module_or_path: data.module });
     engine = new WorkerEngine();
-    early.splice(0).forEach(take);
+    waiting.splice(0).forEach(take);
 };

@@ -185,6 +185,12 @@ impl Job {
         Picture { look, scene, size, wished, facing, sides, seconds: self.start.elapsed().as_secs_f64() }
     }
 
+    /// True once something is shown.
+    #[cfg(feature = "gpu")]
+    pub(super) fn has_first_picture(&self) -> bool {
+        self.coarse_done
+    }
+
     /// What all pixels see, once that is known.
     pub(super) fn target(&self) -> Option<&CameraTarget> {
         self.target.as_ref()

@@ -123,7 +123,7 @@ impl Engine {
             return Ok(());
         }
         if let Some(wish) = self.wish.take() {
-            return self.begin(wish, report).await;
+            return self.begin(wish, report);
         }
         if let Some(question) = self.questions.pop_front() {
             return self.answer(question, report);
@@ -135,7 +135,7 @@ impl Engine {
     }
 
     /// Takes a wish up: what it needs is built, and the work on it begins.
-    async fn begin(&mut self, mut wish: Wish, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+    fn begin(&mut self, mut wish: Wish, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
         let wished = wish.device;
         if self.is_page {
             wish.device = Device::Cpu;
@@ -147,8 +147,7 @@ impl Engine {
         }
         let is_built = held.prepare(&wish, &told(report))?;
         wish.device = wished;
-        let is_other = self.is_page && self.prepare_device(&wish, report).await;
-        if is_built || is_other {
+        if self.leave_device(&wish) || is_built {
             self.pace = Pace::default();
             self.tell_built(report);
         }
@@ -159,6 +158,9 @@ impl Engine {
 
     /// Makes the picture better.
     async fn refine(&mut self, stop: &Stop<'_>, report: &(dyn Fn(Report) + Sync)) -> Result<(), Trouble> {
+        if self.is_page && self.open_device(report).await {
+            return Ok(());
+        }
         let (Some(held), Some(job)) = (&mut self.held, &mut self.job) else {
             self.is_idle = true;
             return Ok(());
@@ -294,29 +296,36 @@ impl Engine {
 /// The device of a page.
 #[cfg(feature = "gpu")]
 impl Engine {
-    /// Opens a device where one is wished for and not there; true where that changed anything.
-    async fn prepare_device(&mut self, wish: &Wish, report: &(dyn Fn(Report) + Sync)) -> bool {
-        let had = self.pictures.is_some();
-        self.is_refused &= wish.device != Device::Cpu;
-        if !pictures::are_wished(wish) {
-            self.pictures = None;
-            return had;
-        }
-        if self.is_refused {
+    /// Opens a device where one is wished for and not there; true where that changed anything. The first picture comes before: it does not wait for
+    /// shaders.
+    async fn open_device(&mut self, report: &(dyn Fn(Report) + Sync)) -> bool {
+        let (Some(held), Some(job)) = (&self.held, &self.job) else { return false };
+        let Some(session) = held.sessions.first() else { return false };
+        if self.pictures.is_some()
+            || self.is_refused
+            || !job.has_first_picture()
+            || !pictures::are_wished(&job.wish)
+        {
             return false;
         }
-        let Some(session) = self.held.as_ref().and_then(|held| held.sessions.first()).filter(|_| !had) else {
-            return false;
-        };
         report(Report::Busy("opening a graphics processor".into(), None));
-        match pictures::Pictures::open(session, wish.adapter.as_deref()).await {
-            Ok(opened) => self.pictures = Some(opened),
+        match pictures::Pictures::open(session, job.wish.adapter.as_deref()).await {
+            Ok(opened) => {
+                self.pictures = Some(opened);
+                self.tell_built(report);
+            }
             Err(e) => {
                 self.is_refused = true;
                 report(Report::Notice(format!("on the CPU: {e}")));
             }
         }
-        self.pictures.is_some()
+        true
+    }
+
+    /// Gives the device back where it is not wished for any more; true where that changed anything.
+    fn leave_device(&mut self, wish: &Wish) -> bool {
+        self.is_refused &= wish.device != Device::Cpu;
+        !pictures::are_wished(wish) && self.pictures.take().is_some()
     }
 
     fn has_device(&self) -> bool {
@@ -345,7 +354,11 @@ impl Engine {
 
 #[cfg(not(feature = "gpu"))]
 impl Engine {
-    async fn prepare_device(&mut self, _: &Wish, _: &(dyn Fn(Report) + Sync)) -> bool {
+    async fn open_device(&mut self, _: &(dyn Fn(Report) + Sync)) -> bool {
+        false
+    }
+
+    fn leave_device(&mut self, _: &Wish) -> bool {
         false
     }
 
