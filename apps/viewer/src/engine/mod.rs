@@ -156,7 +156,7 @@ impl Engine {
                 }
                 // A device that failed: the CPU goes on from the beginning.
                 report(Report::Trouble(trouble));
-                held.to_cpu()?;
+                held.move_to_cpu()?;
                 report(Report::Built(held.built()));
                 report(Report::Notice("the CPU has taken over".into()));
                 self.job = Some(Job::new(wish));
