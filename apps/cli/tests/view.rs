@@ -22,7 +22,13 @@ fn lonely(folder: &Path) -> Command {
     command
 }
 
+/// One test: programs are written and run, and a process that forks for another test meanwhile would keep a written file open.
 #[test]
+fn the_viewer_is_looked_for_and_gets_the_words() {
+    without_the_viewer_it_says_how_to_build_it();
+    words_and_exit_code_pass_to_the_viewer_beside_it_or_on_the_path();
+}
+
 fn without_the_viewer_it_says_how_to_build_it() {
     let dir = folder();
     let output = lonely(dir.path()).args(["view", "cornell"]).output().unwrap();
@@ -31,7 +37,6 @@ fn without_the_viewer_it_says_how_to_build_it() {
     assert_eq!(err(&output).lines().count(), 1);
 }
 
-#[test]
 fn words_and_exit_code_pass_to_the_viewer_beside_it_or_on_the_path() {
     let dir = folder();
     let words = ["view", "model.glb", "--method", "rays", "--help", "--eye=-1,2,3"];

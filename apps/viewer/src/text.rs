@@ -6,7 +6,7 @@ pub(crate) fn short(value: f64) -> String {
         _ if value.is_nan() => "-".into(),
         _ if value.is_infinite() => if value > 0.0 { "inf" } else { "-inf" }.into(),
         0.0 => "0".into(),
-        v if v >= 1e6 || v < 1e-4 => format!("{value:.2e}"),
+        v if !(1e-4..1e6).contains(&v) => format!("{value:.2e}"),
         v if v >= 100.0 => format!("{value:.0}"),
         v if v >= 10.0 => format!("{value:.1}"),
         v if v >= 1.0 => format!("{value:.2}"),

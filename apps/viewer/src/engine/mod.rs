@@ -193,7 +193,7 @@ impl Engine {
                 // A device that failed: the CPU goes on from the beginning.
                 report(Report::Trouble(trouble));
                 if let Some(held) = &mut self.held {
-                    held.to_cpu()?;
+                    held.move_to_cpu()?;
                 }
                 self.drop_device(true);
                 self.tell_built(report);

@@ -109,7 +109,7 @@ impl Held {
     }
 
     /// From now on on the CPU, whatever is wished for, until another place is.
-    pub(super) fn to_cpu(&mut self) -> Result<(), Trouble> {
+    pub(super) fn move_to_cpu(&mut self) -> Result<(), Trouble> {
         let cpu = SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() };
         for (session, settings) in self.sessions.iter_mut().zip(&self.sides) {
             *session = session.with(settings, &cpu, &|_| {}).map_err(|e| trouble_of(&e))?;

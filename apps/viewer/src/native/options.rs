@@ -143,7 +143,7 @@ impl Options {
                 message: format!("--screenshot {}: must end in .png", path.display()),
             });
         }
-        if self.after.is_some_and(|seconds| !(seconds >= 0.0 && seconds <= 3600.0)) {
+        if self.after.is_some_and(|seconds| !(0.0..=3600.0).contains(&seconds)) {
             return Err(Failed { code: 2, message: "--after: must be from 0 to 3600 seconds".into() });
         }
         let writable = conray::target::check_writable(Path::new(path));

@@ -3,7 +3,7 @@
 use super::named;
 use crate::app::Viewer;
 use conray::Device;
-use egui::Ui;
+use egui::{ThemePreference, Ui};
 
 pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
     let is_page = cfg!(target_arch = "wasm32");
@@ -74,7 +74,18 @@ const KEYS: [(&str, &str); 11] = [
 ];
 
 pub(super) fn appearance(viewer: &mut Viewer, ui: &mut Ui) {
-    egui::widgets::global_theme_preference_buttons(ui);
+    ui.horizontal(|ui| {
+        let mut theme = ui.ctx().options(|options| options.theme_preference);
+        for (one, name) in [
+            (ThemePreference::System, "as the system"),
+            (ThemePreference::Light, "light"),
+            (ThemePreference::Dark, "dark"),
+        ] {
+            if ui.radio_value(&mut theme, one, name).changed() {
+                ui.ctx().set_theme(theme);
+            }
+        }
+    });
     ui.checkbox(&mut viewer.fields.shows_bottom, "error against time, and probe");
     egui::Grid::new("keys").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         for (key, what) in KEYS {

@@ -1,4 +1,5 @@
 //! An engine on its thread, and waiting for what it tells.
+#![allow(dead_code, reason = "each test file uses a part of this")]
 
 use conray::{AoSettings, Method};
 use conray_viewer::{

@@ -7,11 +7,13 @@ use super::{
 use bytemuck::{Pod, Zeroable};
 use conray_core::{Affine3A, Geometry};
 use obvhs::{
-    BvhBuildParams,
+    Boundable, BvhBuildParams,
     aabb::Aabb,
-    cwbvh::{CwBvh, builder::build_cwbvh, node::CwBvhNode},
+    bvh2::reinsertion::ReinsertionOptimizer,
+    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode},
+    ploc::PlocBuilder,
 };
-use std::{collections::BTreeMap, time::Duration};
+use std::collections::BTreeMap;
 
 /// It is mirrored.
 const TURNED: u32 = 2;
@@ -48,6 +50,18 @@ fn rows(affine: &Affine3A) -> [[f32; 4]; 3] {
     let m = affine.matrix3.transpose();
     let t = affine.translation;
     [m.x_axis.extend(t.x), m.y_axis.extend(t.y), m.z_axis.extend(t.z)].map(|row| row.to_array())
+}
+
+/// The tree over some things: by the steps of the crate's own builder, which looks at a clock that pages do not have.
+fn compressed<T: Boundable>(things: &[T], params: &BvhBuildParams) -> CwBvh {
+    let all = (0..things.len() as u32).collect();
+    let builder = PlocBuilder::with_capacity(things.len());
+    let (distance, precision, depth) =
+        (params.ploc_search_distance, params.sort_precision, params.search_depth_threshold);
+    let mut binary = builder.build(distance, things, all, precision, depth);
+    ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
+    // Three is what a leaf of compressed nodes holds.
+    bvh2_to_cwbvh(&binary, params.max_prims_per_leaf.clamp(1, 3), true, false)
 }
 
 /// All that rays go through.
@@ -98,11 +112,7 @@ impl Trees {
         // An empty tree of the world's own is no box.
         let used: Vec<usize> = (0..boxes.len()).filter(|&k| k > 0 || !trees[0].nodes.is_empty()).collect();
         let used_boxes: Vec<Aabb> = used.iter().map(|&k| boxes[k]).collect();
-        let top = if used_boxes.is_empty() {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&used_boxes, one, &mut Duration::default())
-        };
+        let top = if used_boxes.is_empty() { CwBvh::default() } else { compressed(&used_boxes, &one) };
         all.lay_out(top, trees, &roots, &used);
         all
     }
@@ -113,7 +123,7 @@ impl Trees {
         let mut tree = if boxes.is_empty() {
             CwBvh::default()
         } else {
-            build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+            compressed(&boxes, &BvhBuildParams::medium_build())
         };
         own.reorder(&tree.primitive_indices);
         let first = self.triangles.list.len() as u32;
