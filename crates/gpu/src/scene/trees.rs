@@ -55,7 +55,7 @@ fn rows(affine: &Affine3A) -> [[f32; 4]; 3] {
 /// The tree over some things: by the steps of the crate's own builder, which looks at a clock that pages do not have.
 fn compressed<T: Boundable>(things: &[T], params: &BvhBuildParams) -> CwBvh {
     let all = (0..things.len() as u32).collect();
-    let builder = PlocBuilder::with_capacity(things.len());
+    let mut builder = PlocBuilder::with_capacity(things.len());
     let (distance, precision, depth) =
         (params.ploc_search_distance, params.sort_precision, params.search_depth_threshold);
     let mut binary = builder.build(distance, things, all, precision, depth);
