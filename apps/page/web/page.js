@@ -38,8 +38,8 @@ async function run() {
         worker.postMessage({ module, shared, seen: shared ? Atomics.load(shared, 0) : 0 });
         return worker;
     };
-    const scene = new URLSearchParams(location.search).get('scene') ?? undefined;
-    await start(document.getElementById('canvas'), makeWorker, shared, scene);
+    const asked = (name) => new URLSearchParams(location.search).get(name) ?? undefined;
+    await start(document.getElementById('canvas'), makeWorker, shared, asked('scene'), asked('device'));
     message.hidden = true;
     // For tests: what is shown, and by what it is drawn.
     globalThis.conray = { facts: () => JSON.parse(facts() ?? 'null'), by, isShared: Boolean(shared) };

@@ -1,6 +1,7 @@
 //! The page: starts the viewer on a canvas, reads what is dropped, hands files out.
 
 use crate::{Start, Viewer, engine::NamedBytes, engine::Source, host::WorkerHost};
+use conray::Device;
 use eframe::{WebOptions, WebRunner};
 use egui::DroppedFileHandle;
 use js_sys::{Array, Function, Int32Array, Uint8Array};
@@ -25,10 +26,16 @@ pub async fn start(
     make_worker: Function,
     counter: Option<Int32Array>,
     scene: Option<String>,
+    device: Option<String>,
 ) -> Result<(), JsValue> {
     console_error_panic_hook::set_once();
     let runner = WebRunner::new();
-    let start = Start { source: scene.map(Source::Builtin), ..Start::default() };
+    let mut start = Start { source: scene.map(Source::Builtin), ..Start::default() };
+    start.choices.device = match device.as_deref() {
+        Some("cpu") => Device::Cpu,
+        Some("gpu") => Device::Gpu,
+        _ => Device::Auto,
+    };
     let create: eframe::AppCreator<'static> = Box::new(move |context| {
         let ctx = context.egui_ctx.clone();
         let host = WorkerHost::start(make_worker, counter, move || ctx.request_repaint());

@@ -33,7 +33,8 @@ struct Camera {
 
 const GROUP: u32 = 64u;
 const SIDE: u32 = 8u;
-const MOST: f32 = 3.4028235e38;
+// Browsers refuse the greatest number itself, written out.
+const MOST: f32 = 3.4028234e38;
 // gamma(2) and gamma(24): roundings of a mean of corners, and of what lies between them. See crates/bvh/src/surface.rs.
 const GAMMA_2: f32 = 1.1920932e-7;
 const GAMMA_24: f32 = 1.4305136e-6;

@@ -26,7 +26,7 @@ impl AdapterFacts {
     fn of(adapter: &wgpu::Adapter) -> Self {
         let info = adapter.get_info();
         Self {
-            name: info.name,
+            name: if info.name.is_empty() { "graphics processor".into() } else { info.name },
             backend: info.backend.to_string(),
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
             is_software: info.device_type == wgpu::DeviceType::Cpu,
@@ -107,7 +107,15 @@ impl Gpu {
     /// # Errors
     /// There is none, or it gives no device.
     pub fn open_real() -> Result<Self, GpuError> {
-        pollster::block_on(Self::open_where(None, |facts| !facts.is_software, false))
+        pollster::block_on(Self::open_real_later())
+    }
+
+    /// The same as a future.
+    ///
+    /// # Errors
+    /// As [`Gpu::open_real`].
+    pub async fn open_real_later() -> Result<Self, GpuError> {
+        Self::open_where(None, |facts| !facts.is_software, false).await
     }
 
     fn open_named(name: Option<&str>, timed: bool) -> Result<Self, GpuError> {

@@ -61,9 +61,9 @@ pub struct Engine {
     /// A device's part, where there is one.
     #[cfg(feature = "gpu")]
     pictures: Option<pictures::Pictures>,
-    /// True where it is not there, or failed: it is asked for again once another place was wished for.
+    /// Wishes for this are in vain: it is not there, or failed. It is asked for again once another place was wished for.
     #[cfg(feature = "gpu")]
-    is_refused: bool,
+    refused: Option<Device>,
     /// True once it was told that nothing is left to do.
     is_idle: bool,
 }
@@ -118,7 +118,7 @@ impl Engine {
             // From here on the former scene is gone; its picture is the window's.
             (self.held, self.job, self.truth) = (Some(held), None, None);
             (self.wish, self.pace) = (None, Pace::default());
-            self.drop_device(false);
+            self.drop_device(None);
             report(Report::Scene(facts));
             return Ok(());
         }
@@ -195,7 +195,7 @@ impl Engine {
                 if let Some(held) = &mut self.held {
                     held.move_to_cpu()?;
                 }
-                self.drop_device(true);
+                self.drop_device(Some(wish.device));
                 self.tell_built(report);
                 report(Report::Notice("the CPU has taken over".into()));
                 self.job = Some(Job::new(wish));
@@ -301,22 +301,21 @@ impl Engine {
     async fn open_device(&mut self, report: &(dyn Fn(Report) + Sync)) -> bool {
         let (Some(held), Some(job)) = (&self.held, &self.job) else { return false };
         let Some(session) = held.sessions.first() else { return false };
-        if self.pictures.is_some()
-            || self.is_refused
-            || !job.has_first_picture()
-            || !pictures::are_wished(&job.wish)
-        {
+        let is_in_vain = self.refused == Some(job.wish.device) || self.pictures.is_some();
+        if is_in_vain || !job.has_first_picture() || !pictures::are_wished(&job.wish) {
             return false;
         }
         report(Report::Busy("opening a graphics processor".into(), None));
-        match pictures::Pictures::open(session, job.wish.adapter.as_deref()).await {
+        match pictures::Pictures::open(session, &job.wish).await {
             Ok(opened) => {
                 self.pictures = Some(opened);
                 self.tell_built(report);
             }
             Err(e) => {
-                self.is_refused = true;
-                report(Report::Notice(format!("on the CPU: {e}")));
+                self.refused = Some(job.wish.device);
+                let nothing = matches!(e, conray::gpu::GpuError::NoAdapter { wanted: None, .. });
+                let why = if nothing { "there is no graphics processor".into() } else { e.to_string() };
+                report(Report::Notice(format!("on the CPU: {why}")));
             }
         }
         true
@@ -324,8 +323,9 @@ impl Engine {
 
     /// Gives the device back where it is not wished for any more; true where that changed anything.
     fn leave_device(&mut self, wish: &Wish) -> bool {
-        self.is_refused &= wish.device != Device::Cpu;
-        !pictures::are_wished(wish) && self.pictures.take().is_some()
+        self.refused = self.refused.filter(|refused| *refused == wish.device);
+        let is_other = self.pictures.as_ref().is_some_and(|pictures| !pictures.are_of(wish));
+        is_other && self.pictures.take().is_some()
     }
 
     fn has_device(&self) -> bool {
@@ -333,9 +333,9 @@ impl Engine {
     }
 
     /// Gives the device back; one that failed is not asked for again.
-    fn drop_device(&mut self, has_failed: bool) {
+    fn drop_device(&mut self, failed: Option<Device>) {
         self.pictures = None;
-        self.is_refused = has_failed;
+        self.refused = failed;
     }
 
     /// What is built, and where pictures are made.
@@ -366,7 +366,7 @@ impl Engine {
         false
     }
 
-    fn drop_device(&mut self, _: bool) {}
+    fn drop_device(&mut self, _: Option<Device>) {}
 
     fn tell_built(&self, report: &(dyn Fn(Report) + Sync)) {
         if let Some(held) = &self.held {

@@ -39,9 +39,12 @@ pub(super) fn are_wished(wish: &Wish) -> bool {
 }
 
 impl Pictures {
-    /// Uploads a session's scene.
-    pub(super) async fn open(session: &Session, adapter: Option<&str>) -> Result<Self, GpuError> {
-        let gpu = Gpu::open_later(adapter).await?;
+    /// Uploads a session's scene. A program on the CPU counts where a device or its name is asked for.
+    pub(super) async fn open(session: &Session, wish: &Wish) -> Result<Self, GpuError> {
+        let gpu = match (wish.device, &wish.adapter) {
+            (Device::Auto, None) => Gpu::open_real_later().await?,
+            (_, name) => Gpu::open_later(name.as_deref()).await?,
+        };
         let backend = GpuBackend::new(gpu, Some(session.geometry()), None)?;
         Ok(Self { backend: Arc::new(backend), made_for: None, frames: None, rays: FIRST_RAYS })
     }
@@ -49,9 +52,14 @@ impl Pictures {
     /// Where they are made, for people.
     pub(super) fn place(&self) -> String {
         let facts = self.backend.gpu().facts();
-        let name = if facts.name.is_empty() { "graphics processor" } else { &facts.name };
         let software = if facts.is_software { ", a program on the CPU" } else { "" };
-        format!("{name} ({}{software})", facts.backend)
+        format!("{} ({}{software})", facts.name, facts.backend)
+    }
+
+    /// Whether a wish would have opened the same device.
+    pub(super) fn are_of(&self, wish: &Wish) -> bool {
+        let is_meant = wish.device == Device::Gpu || wish.adapter.is_some();
+        are_wished(wish) && (is_meant || !self.backend.gpu().facts().is_software)
     }
 
     /// The first picture of a camera, or more rays for the one before.

@@ -7,26 +7,22 @@ use egui::{ThemePreference, Ui};
 
 pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
     let is_page = cfg!(target_arch = "wasm32");
-    let of_page = [
-        (
-            Device::Auto,
-            "WebGPU",
+    let hints = match is_page {
+        true => [
             "Method hybrid by the browser's graphics processor where it has one; all else on the CPU",
-        ),
-        (Device::Cpu, "CPU", "In a worker of this page, on one thread"),
-    ];
-    let of_window = [
-        (
-            Device::Auto,
-            "auto",
+            "In a worker of this page, on one thread",
+            "Method hybrid by the browser's WebGPU, also where that is a program on the CPU",
+        ],
+        false => [
             "A graphics processor where there is one and it has all of the method, else the CPU",
-        ),
-        (Device::Cpu, "CPU", "All cores"),
-        (Device::Gpu, "GPU", "A graphics processor, also one that is a program on the CPU"),
-    ];
+            "All cores",
+            "A graphics processor, also one that is a program on the CPU",
+        ],
+    };
+    let all = [(Device::Auto, "auto"), (Device::Cpu, "CPU"), (Device::Gpu, "GPU")];
     ui.horizontal(|ui| {
-        for (device, name, hint) in if is_page { &of_page[..] } else { &of_window[..] } {
-            ui.radio_value(&mut viewer.choices.device, *device, *name).on_hover_text(*hint);
+        for ((device, name), hint) in all.into_iter().zip(hints) {
+            ui.radio_value(&mut viewer.choices.device, device, name).on_hover_text(hint);
         }
     });
     if is_page {
