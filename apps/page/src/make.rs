@@ -23,6 +23,8 @@ pub(crate) fn page(out: &Path) -> Result<(), String> {
     let package = out.join("pkg");
     fs::create_dir_all(&package).map_err(|e| format!("{}: {e}", package.display()))?;
     let mut bindgen = Bindgen::new();
+    // Names of functions are a tenth of the module, and nobody reads them there.
+    bindgen.remove_name_section(true).remove_producers_section(true);
     let web = bindgen.input_path(&module).out_name(MODULE).typescript(false).web(true);
     web.and_then(|bindgen| bindgen.generate(&package)).map_err(|e| format!("wasm-bindgen: {e:#}"))?;
     for file in FILES {

@@ -3,7 +3,7 @@
 //! ```text
 //! panels, picture ---> choices.rs ---> Wish ---> engine ---> Session (crate conray)
 //!        ^                             host: a thread, or a worker      |
-//!        +------------- app.rs <------------ Report <-------------------+
+//!        +------------- app/ <-------------- Report <-------------------+
 //! ```
 //!
 //! The window never waits: it tells the engine ([`engine::Order`]) what is to be shown and shows what has come back
@@ -14,7 +14,7 @@
 //! | `engine/` | what is worked on, in which order; answers about what is shown |
 //! | `host/` | runs the engine beside the window or the page |
 //! | `camera.rs`, `choices.rs`, `layers.rs`, `colour.rs`, `save.rs` | pure functions, without a window |
-//! | `app.rs`, `panels/`, `picture/` | the window, drawn by egui |
+//! | `app/`, `panels/`, `picture/` | the window, drawn by egui |
 //! | `native/`, `web.rs` | the program and the page |
 
 mod app;

@@ -1,5 +1,8 @@
 //! The application: takes in what has come, lays the window out, and wishes for what was chosen.
 
+mod facts;
+mod files;
+
 use crate::{
     camera::Look,
     choices::Choices,
@@ -198,106 +201,6 @@ impl Viewer {
         }
     }
 
-    /// Files dropped on the window: a scene with what belongs to it, or a truth.
-    pub(crate) fn take_files(&mut self, sources: Vec<Source>) {
-        let ending = |source: &Source| {
-            let word = source.word();
-            std::path::Path::new(&word).extension().map(|e| e.to_string_lossy().to_lowercase())
-        };
-        const SCENES: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
-        let is_scene = |source: &&Source| ending(source).is_some_and(|e| SCENES.contains(&&e[..]));
-        if let Some(scene) = sources.iter().find(is_scene) {
-            let scene = match scene {
-                Source::Bytes(file, _) => {
-                    let beside =
-                        sources.iter().filter(|other| *other != scene).filter_map(|other| match other {
-                            Source::Bytes(file, _) => Some(file.clone()),
-                            _ => None,
-                        });
-                    Source::Bytes(file.clone(), beside.collect())
-                }
-                other => other.clone(),
-            };
-            self.open(scene);
-        } else if let Some(image) = sources.iter().find(|s| ending(s).as_deref() == Some("exr")) {
-            self.read_truth(image.clone());
-        } else if let Some(first) = sources.first() {
-            let message =
-                format!("{}: no scene (.obj, .gltf, .glb, .ply, .stl) and no truth (.exr)", first.word());
-            self.shown.say(Some(Fault::Input), message);
-        }
-    }
-
-    /// Reads an image to compare with.
-    pub(crate) fn read_truth(&mut self, source: Source) {
-        if self.last_wish.is_none() {
-            self.shown.say(Some(Fault::Request), "open a scene first, then a truth to compare it with");
-            return;
-        }
-        self.ask(Question::ReadExr { key: self.truth_key(), source });
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    fn take_dropped(&mut self, ctx: &egui::Context) {
-        let files = ctx.input(|input| input.raw.dropped_files.clone());
-        let sources: Vec<Source> = files.iter().map(|file| Source::File(file.path().into())).collect();
-        if !sources.is_empty() {
-            self.take_files(sources);
-        }
-    }
-
-    #[cfg(target_arch = "wasm32")]
-    fn take_dropped(&mut self, ctx: &egui::Context) {
-        let files = ctx.input(|input| input.raw.dropped_files.clone());
-        if !files.is_empty() {
-            crate::web::read_dropped(files, ctx.clone());
-        }
-        let read = crate::web::take_read();
-        let mut sources = Vec::new();
-        for file in read {
-            match file {
-                Ok(file) => sources.push(Source::Bytes(file, Vec::new())),
-                Err(message) => self.shown.say(Some(Fault::Input), message),
-            }
-        }
-        if !sources.is_empty() {
-            self.take_files(sources);
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    fn download(&mut self, name: &str, bytes: &[u8]) {
-        let written = conray::target::write_atomically(name, |out| out.write_all(bytes));
-        match written {
-            Ok(()) => self.shown.say(None, format!("wrote {name}")),
-            Err(e) => self.shown.say(Some(Fault::Work), e.to_string()),
-        }
-    }
-
-    #[cfg(target_arch = "wasm32")]
-    fn download(&mut self, name: &str, bytes: &[u8]) {
-        if let Err(message) = crate::web::download(name, bytes) {
-            self.shown.say(Some(Fault::Work), message);
-        }
-    }
-
-    /// Saves the picture as it is shown.
-    pub(crate) fn save_png(&mut self, dark: bool) {
-        let Some((size, colours)) = crate::picture::composed(self, dark) else {
-            self.shown.say(Some(Fault::Request), "there is no picture to save yet");
-            return;
-        };
-        let mut bytes = Vec::new();
-        let depth = conray::target::PngDepth::Eight;
-        let encoded = conray::target::encode_colour_png(&mut bytes, size[0], size[1], &colours, depth);
-        if let Err(e) = encoded {
-            self.shown.say(Some(Fault::Work), format!("the picture cannot be saved: {e}"));
-            return;
-        }
-        let name = self.fields.png.clone();
-        self.download(&name, &bytes);
-    }
-
     /// The program's words for a side; empty before the first picture.
     pub(crate) fn command(&self, side: usize) -> String {
         let (Some(scene), Some(wish)) = (self.shown.scene.as_deref(), &self.last_wish) else {
@@ -309,88 +212,9 @@ impl Viewer {
         crate::save::shell_line(&words)
     }
 
-    /// What is shown, for tests and measurements.
-    pub fn facts(&self) -> serde_json::Value {
-        let picture = self.shown.picture.as_deref();
-        let sides: Vec<serde_json::Value> = picture.iter().flat_map(|p| &p.sides).map(side_facts).collect();
-        serde_json::json!({
-            "scene": self.shown.scene.as_ref().map(|scene| scene.name.clone()),
-            "triangles": self.shown.scene.as_ref().map(|scene| scene.triangles),
-            "size": picture.map(|p| p.size),
-            "wished": picture.map(|p| p.wished),
-            "look": self.choices.look,
-            "picture_look": picture.map(|p| p.look),
-            "sides": sides,
-            "version": self.shown.version,
-            "busy": self.shown.busy.as_ref().map(|busy| busy.0.clone()),
-            "messages": self.shown.messages.iter().map(|m| m.text.clone()).collect::<Vec<_>>(),
-            "first_pictures": self.shown.first_pictures,
-            "canvas": self.canvas.rect.map(|r| [r.min.x, r.min.y, r.max.x, r.max.y]),
-            "places": self.shown.built.places,
-            "measured": self.shown.measured,
-            "boxes": self.shown.boxes.as_ref().map(|boxes| boxes.nodes.len()),
-            "probe": self.shown.probe.as_ref().map(|probe| (probe.pixel, probe.cones.len(), probe.rays.len())),
-        })
-    }
-
-    /// True where there is a whole picture of the newest wish and nothing is left to do.
-    pub fn is_at_rest(&self) -> bool {
-        let waits = self.start.truth.is_some() || self.start.probe.is_some();
-        self.shows_whole_picture() && self.shown.busy.is_none() && !waits
-    }
-
-    /// True where a picture of all pixels of the newest wish is shown.
-    pub fn shows_whole_picture(&self) -> bool {
-        let is_whole = self.shown.picture.as_ref().is_some_and(|picture| !picture.is_preview());
-        is_whole && self.shows_present_view().is_some()
-    }
-
-    /// The size of what is shown, where it is seen from where the camera is.
-    pub fn shows_present_view(&self) -> Option<[u32; 2]> {
-        let picture = self.shown.picture.as_ref()?;
-        (Some(picture.look) == self.choices.look).then_some(picture.size)
-    }
-
-    /// Carries the camera about what it looks at.
-    pub fn orbit(&mut self, yaw_rad: f32, pitch_rad: f32) {
-        self.choices.look = self.choices.look.map(|look| look.orbit(yaw_rad, pitch_rad));
-    }
-
-    /// Why the first scene could not be opened, if it could not.
-    pub fn scene_trouble(&self) -> Option<String> {
-        let failed = self.shown.messages.iter().find(|message| message.fault == Some(Fault::Input));
-        failed
-            .filter(|_| self.last_number > 1 || self.shown.scene.is_none())
-            .map(|message| message.text.clone())
-    }
-
-    /// Scene, method, size and place, in a line.
-    pub fn what_is_measured(&self) -> String {
-        let scene = self.shown.scene.as_ref().map_or("none", |scene| &scene.name[..]);
-        let size = self.last_wish.as_ref().map_or([0; 2], |wish| wish.size);
-        let place = self.shown.built.places.first().map_or("nowhere", |place| &place[..]);
-        format!(
-            "{scene}, method {}, {} x {} pixels, on {place}",
-            self.choices.settings.method, size[0], size[1]
-        )
-    }
-
     pub(crate) fn scene(&self) -> Option<&Arc<SceneFacts>> {
         self.shown.scene.as_ref()
     }
-}
-
-fn side_facts(side: &crate::engine::SidePicture) -> serde_json::Value {
-    let finite = || side.visibility.iter().filter(|v| v.is_finite());
-    let mean = finite().map(|&v| f64::from(v)).sum::<f64>() / finite().count().max(1) as f64;
-    serde_json::json!({
-        "method": side.method,
-        "mean_visibility": mean,
-        "expected_rmse": Some(side.expected_rmse).filter(|rmse| rmse.is_finite()),
-        "rays_per_pixel": side.rays_per_pixel,
-        "seconds": side.seconds,
-        "ended": side.ended,
-    })
 }
 
 impl eframe::App for Viewer {
