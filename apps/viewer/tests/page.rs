@@ -45,10 +45,9 @@ fn orbit(wish: &Wish) -> Wish {
 }
 
 fn pictures(reports: &[Report]) -> Vec<&Picture> {
-    let picture = |report| match report {
-        &Report::Picture(ref picture) => Some(&**picture),
-        _ => None,
-    };
+    fn picture(report: &Report) -> Option<&Picture> {
+        if let Report::Picture(picture) = report { Some(picture) } else { None }
+    }
     reports.iter().filter_map(picture).collect()
 }
 
