@@ -64,7 +64,7 @@ fn places(reports: &[Report]) -> Vec<String> {
 #[ignore = "needs a graphics adapter, if only a software one"]
 fn a_page_shows_what_the_cpu_shows_gpu() {
     let (mut engine, wish) = opened("cornell");
-    let on_device = Wish { device: Device::Auto, ..wish.clone() };
+    let on_device = Wish { device: Device::Gpu, ..wish.clone() };
     let reports = told(&mut engine, Order::Wish(Box::new(on_device.clone())));
     assert!(!places(&reports)[0].starts_with("CPU"), "{:?}", places(&reports));
     let drawn = pictures(&reports);
@@ -91,7 +91,7 @@ fn a_page_shows_what_the_cpu_shows_gpu() {
 #[ignore = "needs a graphics adapter, if only a software one"]
 fn a_page_answers_and_compares_beside_its_device_gpu() {
     let (mut engine, wish) = opened("atrium");
-    let mut split = Wish { device: Device::Auto, ..wish };
+    let mut split = Wish { device: Device::Gpu, ..wish };
     let rays = AoSettings { method: Method::Rays, rays: Some(64), ..split.sides[0].clone() };
     split.sides.push(rays);
     let reports = told(&mut engine, Order::Wish(Box::new(split.clone())));
