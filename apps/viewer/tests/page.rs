@@ -105,6 +105,12 @@ fn a_page_answers_and_compares_beside_its_device_gpu() {
     );
     let reports = told(&mut engine, Order::Ask(Question::Exr { side: 0, path: None }));
     assert!(reports.iter().any(|report| matches!(report, Report::Bytes(_, bytes) if bytes.len() > 10_000)));
+    // What is built later leaves pictures where they are made, and a truth waits for no device.
+    let reports = told(&mut engine, Order::Ask(Question::Boxes { level: 2 }));
+    assert!(!places(&reports)[0].starts_with("CPU"), "{:?}", places(&reports));
+    let reports = told(&mut engine, Order::Ask(Question::Truth { key: "view".into(), rays: 64 }));
+    let is_whole = |r: &Report| matches!(r, Report::Truth(truth) if truth.done == 1.0 && truth.size == SIZE);
+    assert!(reports.iter().any(is_whole));
     // A camera that moves keeps the device and its room.
     let reports = told(&mut engine, Order::Wish(Box::new(orbit(&split))));
     assert!(places(&reports).is_empty(), "nothing is built anew");

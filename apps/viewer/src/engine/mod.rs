@@ -9,7 +9,7 @@
 //!
 //! Whoever runs it calls [`Engine::take`] with what came in and [`Engine::step`] while that says that there is more to do. A [`Stop`] tells it in
 //! the middle of a step that something newer waits; all but the coarse picture then ends at once. Estimates are made by
-//! [`conray::Session`] alone.
+//! [`conray::Session`], and on a page's device by `conray::gpu::Frames` (pictures.rs).
 
 mod answers;
 mod job;
@@ -218,10 +218,11 @@ impl Engine {
                 report(Report::Probe(probe.map(Box::new)));
             }
             Question::Boxes { level } => {
-                if held.need_octree(&told(report))? {
-                    report(Report::Built(held.built()));
+                let (is_built, boxes) = (held.need_octree(&told(report))?, answers::boxes(held, job, level));
+                if is_built {
+                    self.tell_built(report);
                 }
-                if let Some(boxes) = answers::boxes(held, job, level) {
+                if let Some(boxes) = boxes {
                     report(Report::Boxes(boxes));
                 }
             }
@@ -252,9 +253,8 @@ impl Engine {
             return Err(answers::request("there is no whole picture yet; try again in a moment"));
         };
         let settings = answers::truth_settings(&job.wish.sides[0], rays);
-        let options =
-            conray::SessionOptions { threads: 0, device: job.wish.device, adapter: job.wish.adapter.clone() };
-        let session = session.with(&settings, &options, &|_| {}).map_err(|e| scenes::trouble_of(&e))?;
+        let session =
+            session.with(&settings, &held.options_now(), &|_| {}).map_err(|e| scenes::trouble_of(&e))?;
         let refinement = session.refinement(target);
         self.truth = Some(TruthWork { key, rays, done: 0, session, refinement });
         Ok(())

@@ -108,6 +108,14 @@ impl Held {
         self.sessions.iter().any(|session| !session.report().device.starts_with("CPU"))
     }
 
+    /// How sessions work by now: on the CPU once a device has failed, and on a page, where no session may wait for one.
+    pub(super) fn options_now(&self) -> SessionOptions {
+        match self.places_on_devices() {
+            true => self.options.clone(),
+            false => SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() },
+        }
+    }
+
     /// From now on on the CPU, whatever is wished for, until another place is.
     pub(super) fn move_to_cpu(&mut self) -> Result<(), Trouble> {
         let cpu = SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() };
