@@ -1,8 +1,7 @@
-//! One surface point looked at closely: its cones, and where its rays go.
+//! One surface point looked at closely: where its rays go.
 
 use crate::Session;
 use conray_core::{Frame, Ray, SurfacePoint, Vec3, cosine_hemisphere, hash_u32, owen_sobol_2d};
-use conray_estimate::{ConeView, ConeViews};
 
 /// A ray of a surface point and what it met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +27,5 @@ impl Session {
             RayView { direction, hit }
         };
         if point.is_valid() { (0..count).map(one).collect() } else { Vec::new() }
-    }
-
-    /// The cones of a point as the plan has them; `None` in a session without an octree, or where the point is not valid.
-    pub fn cones_at(&self, point: &SurfacePoint) -> Option<Vec<ConeView<'_>>> {
-        let octree = self.octree.as_deref().filter(|_| point.is_valid())?;
-        Some(ConeViews::new(&self.plan, octree).at(point).collect())
     }
 }

@@ -76,13 +76,4 @@ fn a_point_looked_at_has_the_rays_of_method_rays() {
         let open = rays.iter().filter(|ray| ray.hit.is_none()).count() as f32 / 64.0;
         assert!((open - estimate.visibility).abs() < 1e-5, "{open} {}", estimate.visibility);
     }
-    assert!(session.cones_at(&camera.points()[0]).is_none(), "there is no octree");
-    let cones = session
-        .with(
-            &AoSettings { method: Method::Cones, voxels: 64, ..AoSettings::default() },
-            &SessionOptions::default(),
-            &|_| {},
-        )
-        .unwrap();
-    assert_eq!(cones.cones_at(&camera.points()[0]).unwrap().len(), 16);
 }
