@@ -41,14 +41,21 @@ pub(crate) fn traverse<S: Simd>(
     leaves: &mut impl Leaves,
 ) -> bool {
     if tree.nodes.is_empty() {
-        true
-    } else if tree.stack_entries <= STACK_SIZES[0] {
-        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut [NO_ENTRY; STACK_SIZES[0]])
-    } else if tree.stack_entries <= STACK_SIZES[1] {
-        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut [NO_ENTRY; STACK_SIZES[1]])
-    } else {
-        traverse_with(simd, &tree.nodes, slab, limit, leaves, &mut vec![NO_ENTRY; tree.stack_entries])
+        return true;
     }
+    // One call for all kinds of stack: what is inlined there is large, and compiled for every sink and level of SIMD.
+    let (mut usual, mut deeper, mut deepest);
+    let stack: &mut [Entry] = if tree.stack_entries <= STACK_SIZES[0] {
+        usual = [NO_ENTRY; STACK_SIZES[0]];
+        &mut usual
+    } else if tree.stack_entries <= STACK_SIZES[1] {
+        deeper = [NO_ENTRY; STACK_SIZES[1]];
+        &mut deeper
+    } else {
+        deepest = vec![NO_ENTRY; tree.stack_entries];
+        &mut deepest
+    };
+    traverse_with(simd, &tree.nodes, slab, limit, leaves, stack)
 }
 
 #[inline(always)]

@@ -39,16 +39,19 @@ impl Leaves for Triangles<'_> {
         let (tree, first) = (self.tree, first as usize);
         let (packet, ids, opaque) = (&tree.packets[first], &tree.ids[first], u32::from(tree.opaque[first]));
         let geometry = self.geometry;
-        match self.placed {
-            None => Leaf { geometry, packet, ids, items, opaque, instance: None }
-                .test(simd, self.rays, active, self.met),
-            Some(placed) => {
-                let packet = &world_packet(simd, &placed.world_from_mesh, packet);
-                let instance = Some(placed.instance);
-                Leaf { geometry, packet, ids, items, opaque, instance }
-                    .test(simd, self.rays, active, self.met);
+        let (world, instance);
+        let packet = match self.placed {
+            None => {
+                instance = None;
+                packet
             }
-        }
+            Some(placed) => {
+                instance = Some(placed.instance);
+                world = world_packet(simd, &placed.world_from_mesh, packet);
+                &world
+            }
+        };
+        Leaf { geometry, packet, ids, items, opaque, instance }.test(simd, self.rays, active, self.met);
         Some(())
     }
 }

@@ -34,12 +34,21 @@ pub(super) fn walk<S: Simd>(
     leaves: &mut impl Leaves,
 ) -> Option<()> {
     if tree.nodes.is_empty() {
-        Some(())
-    } else if tree.stack_entries <= STACK {
-        walk_with(simd, tree, rays, leaves, &mut [(0, 0); STACK])
-    } else {
-        walk_with(simd, tree, rays, leaves, &mut vec![(0, 0); tree.stack_entries])
+        return Some(());
     }
+    let (mut usual, mut deep);
+    let stack: &mut [Entry] = if tree.stack_entries <= STACK {
+        usual = [(0, 0); STACK];
+        &mut usual
+    } else {
+        deep = vec![(0, 0); tree.stack_entries];
+        &mut deep
+    };
+    // A function of its own, shared by all trees of triangles: large, and compiled for every level of SIMD.
+    simd.vectorize(
+        #[inline(always)]
+        || walk_with(simd, tree, rays, leaves, stack),
+    )
 }
 
 #[inline(always)]
