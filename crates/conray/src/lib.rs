@@ -41,7 +41,7 @@ mod together;
 mod words;
 mod work;
 
-pub use conray_bvh::Hit;
+pub use conray_bvh::{Bvh, Hit};
 pub use conray_core::{
     Affine2, Affine3A, AlphaTexture, Backs, Bounds, ConeEstimate, ConeSet, Estimate, Falloff, Geometry,
     GeometryError, Instance, Layout, Material, Moments, Opacity, Ray, SurfacePoint, TextureOpacity,
@@ -55,7 +55,7 @@ pub use conray_estimate::{
 };
 pub use conray_scene as scene;
 pub use conray_target as target;
-pub use conray_voxel::VoxelError;
+pub use conray_voxel::{Octree, VoxelError};
 
 #[cfg(feature = "gpu")]
 pub use conray_gpu as gpu;

@@ -19,6 +19,12 @@ const BUNDLE: u32 = 64;
 /// Share of the time left that a pass may be foreseen to take.
 const PLANNED: f64 = 0.97;
 
+/// A device of somebody else's, which answers later.
+#[cfg(feature = "gpu")]
+pub(crate) type Elsewhere = conray_gpu::GpuBackend;
+#[cfg(not(feature = "gpu"))]
+pub(crate) type Elsewhere = std::convert::Infallible;
+
 /// The next samples after `start`, none where the budget is spent: few first, then three times as many as all before, up to
 /// [`LARGEST_PASS`]; no more than `wanted` in all, in whole bundles where the budget allows.
 fn next_pass(start: u32, wanted: f64, most: u32) -> Option<Range<u32>> {
@@ -57,7 +63,8 @@ impl Session {
         let budget = if plan.method.has_budget() { plan.budget } else { Budget::rays(1) };
         let meter = Meter::new(control, budget.seconds);
         let mut work = Passes { whole_only: false, ..Passes::of_whole_passes(points.len()) };
-        let (ended, failure) = match self.passes_until(plan, &mut work, budget, points, &meter) {
+        let ended = pollster::block_on(self.passes_until(None, plan, &mut work, budget, points, &meter));
+        let (ended, failure) = match ended {
             Err(Error::Backend(BackendError::Device(reason))) => (Ended::Failed, Some(reason)),
             ended => (ended?, None),
         };
@@ -79,9 +86,10 @@ impl Session {
     }
 
     /// Carries out passes until the budget is spent, and says what ended them. Rays of the budget are those of all passes, its seconds those of the
-    /// meter.
-    pub(crate) fn passes_until(
+    /// meter. They are carried out where the session works, or elsewhere, and that alone is waited for.
+    pub(crate) async fn passes_until(
         &self,
+        elsewhere: Option<&Elsewhere>,
         plan: &AoPlan,
         work: &mut Passes,
         budget: Budget,
@@ -103,13 +111,15 @@ impl Session {
                     false => Ended::Time,
                 });
             };
-            self.pass(plan, work, range, wanted.min(budget.rays.into()), points, meter)?;
+            self.pass(elsewhere, plan, work, range, wanted.min(budget.rays.into()), points, meter).await?;
         }
     }
 
     /// Carries out one pass and adds it to those before.
-    fn pass(
+    #[expect(clippy::too_many_arguments, reason = "where, what, how far and how long")]
+    async fn pass(
         &self,
+        elsewhere: Option<&Elsewhere>,
         plan: &AoPlan,
         work: &mut Passes,
         range: Range<u32>,
@@ -126,7 +136,11 @@ impl Session {
             meter.at(samples / wanted);
         };
         let control = Control { progress: &progress, ..meter.control };
-        let told = self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control));
+        let told = match elsewhere {
+            #[cfg(feature = "gpu")]
+            Some(device) => device.estimate_later(plan, range, points, &mut found, control).await,
+            _ => self.pool.install(|| self.backend.estimate(plan, range, points, &mut found, control)),
+        };
         if work.whole_only && (told.is_err() || control.is_cancelled()) {
             return told;
         }

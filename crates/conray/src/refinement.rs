@@ -1,6 +1,9 @@
 //! Estimates of a target that get better for as long as one asks: what a viewer shows.
 
-use crate::{Error, Session, passes::Passes};
+use crate::{
+    Error, Session,
+    passes::{Elsewhere, Passes},
+};
 use conray_core::{Estimate, SurfacePoint};
 use conray_estimate::{AoPlan, Budget, Control, Ended, Hybrid, Meter};
 use conray_target::Target;
@@ -56,7 +59,10 @@ impl Session {
     pub fn refinement<T: Target>(&self, target: &T) -> Refinement {
         let plan = self.plan.clone();
         let work = match self.hybrid(&plan, target) {
-            Some(hybrid) => Work::Together(Box::new(hybrid)),
+            Some(mut hybrid) => {
+                hybrid.weigh_later();
+                Work::Together(Box::new(hybrid))
+            }
             None => Work::OneByOne(Passes::of_whole_passes(target.points().len())),
         };
         Refinement { plan, work }
@@ -65,8 +71,8 @@ impl Session {
     /// Adds work to a refinement until a budget is spent and says what ended it: rays of all calls together, seconds of this one. The
     /// points are those that it began with.
     ///
-    /// When cancelled, method `hybrid` keeps what it found, in the end with the bits of unbroken work; the others lose the
-    /// pass that was interrupted. A method without a budget does all its work at the first call.
+    /// When cancelled the estimates stay those before, and that is at once: method `hybrid` keeps what it found for the next call, in the end with the
+    /// bits of unbroken work; the others lose the pass that was interrupted. A method without a budget does all its work at the first call.
     ///
     /// # Errors
     /// What the backend lacks for the plan, and a device that failed: the estimates before stay.
@@ -84,12 +90,47 @@ impl Session {
                 hybrid.failure().map_or(Ok(ended), |failure| Err(failure.clone().into()))
             }
             Work::OneByOne(passes) => {
-                let budget = if plan.method.has_budget() { budget } else { Budget::rays(1) };
-                let meter = Meter::new(control, budget.seconds);
-                let ended = self.passes_until(plan, passes, budget, points, &meter);
-                meter.finish();
-                ended
+                pollster::block_on(self.add_passes(None, plan, passes, points, budget, control))
             }
         }
+    }
+
+    /// [`Session::go_on`] on a device that answers later: for a page, where nobody may wait for one. `device` holds what the session's plan needs of the
+    /// session's scene. Points one by one: what is shared by method `hybrid` is added where the session works, at once.
+    ///
+    /// # Errors
+    /// As [`Session::go_on`].
+    #[cfg(feature = "gpu")]
+    pub async fn go_on_later(
+        &self,
+        device: &conray_gpu::GpuBackend,
+        refinement: &mut Refinement,
+        points: &[SurfacePoint],
+        budget: Budget,
+        control: Control<'_>,
+    ) -> Result<Ended, Error> {
+        let Refinement { plan, work } = refinement;
+        match work {
+            Work::OneByOne(passes) => {
+                self.add_passes(Some(device), plan, passes, points, budget, control).await
+            }
+            Work::Together(_) => self.go_on(refinement, points, budget, control),
+        }
+    }
+
+    async fn add_passes(
+        &self,
+        elsewhere: Option<&Elsewhere>,
+        plan: &AoPlan,
+        passes: &mut Passes,
+        points: &[SurfacePoint],
+        budget: Budget,
+        control: Control<'_>,
+    ) -> Result<Ended, Error> {
+        let budget = if plan.method.has_budget() { budget } else { Budget::rays(1) };
+        let meter = Meter::new(control, budget.seconds);
+        let ended = self.passes_until(elsewhere, plan, passes, budget, points, &meter).await;
+        meter.finish();
+        ended
     }
 }

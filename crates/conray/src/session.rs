@@ -153,14 +153,14 @@ impl Session {
         &self.plan
     }
 
-    /// The BVH.
-    pub fn bvh(&self) -> &Bvh {
+    /// The BVH; sessions of one scene share it.
+    pub fn bvh(&self) -> &Arc<Bvh> {
         &self.bvh
     }
 
-    /// The octree, where the method marches cones.
-    pub fn octree(&self) -> Option<&Octree> {
-        self.octree.as_deref()
+    /// The octree, where the method marches cones; sessions of one scene share it.
+    pub fn octree(&self) -> Option<&Arc<Octree>> {
+        self.octree.as_ref()
     }
 
     /// Times and sizes of what was built.

@@ -172,7 +172,7 @@ fn threads_and_levels_of_simd_change_no_bit() {
         let session =
             Session::build_observed(scene.geometry.clone(), &settings(), &options, &|_| {}).unwrap();
         let camera = session.camera(&view, 70, 45).unwrap();
-        let bvh = session.bvh().clone().at_level(level.unwrap_or(session.bvh().level()));
+        let bvh = conray::Bvh::clone(session.bvh()).at_level(level.unwrap_or(session.bvh().level()));
         let mut hybrid = session.hybrid(session.plan(), &camera).unwrap();
         session.install(|| {
             hybrid.refine(session.plan(), &bvh, camera.points(), Budget::rays(80), Control::none())

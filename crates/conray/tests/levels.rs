@@ -16,8 +16,8 @@ fn bits(estimates: &[Estimate]) -> Vec<[u32; 6]> {
 }
 
 fn estimates(session: &Session, points: &[SurfacePoint], level: Level) -> Vec<Estimate> {
-    let octree = session.octree().cloned().map(Arc::new);
-    let backend = CpuBackend::new(Arc::new(session.bvh().clone()), octree).at_level(level);
+    let octree = session.octree().cloned();
+    let backend = CpuBackend::new(Arc::clone(session.bvh()), octree).at_level(level);
     let mut estimates = vec![Estimate::PENDING; points.len()];
     let samples = 0..session.plan().samples();
     backend.estimate(session.plan(), samples, points, &mut estimates, Control::none()).unwrap();
@@ -34,7 +34,7 @@ fn rays_by_quarters_are_those_as_drawn() {
         let view = scene.default_view();
         let session = Session::build(scene.geometry, &settings).unwrap();
         let points = session.camera(&view, 16, 12).unwrap().points().to_vec();
-        let backend = CpuBackend::new(Arc::new(session.bvh().clone()), None);
+        let backend = CpuBackend::new(Arc::clone(session.bvh()), None);
         let over = |samples: std::ops::Range<u32>| {
             let mut estimates = vec![Estimate::PENDING; points.len()];
             backend.estimate(session.plan(), samples, &points, &mut estimates, Control::none()).unwrap();

@@ -1,7 +1,10 @@
 //! Refinements that go on, and sessions that share what is built.
 
 use conray::{AoSettings, Budget, Control, Ended, Method, Session, SessionOptions, scene, target::Target};
-use std::sync::atomic::AtomicBool;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicU64, Ordering},
+};
 
 fn session(method: Method) -> Session {
     let geometry = scene::builtin("cornell").unwrap().geometry;
@@ -47,15 +50,53 @@ fn a_refinement_of_hybrid_gets_better_with_every_step() {
 }
 
 #[test]
+fn an_interrupted_round_of_hybrid_is_shown_when_work_goes_on_and_ends_in_the_bits_of_unbroken_work() {
+    let session = session(Method::Hybrid);
+    let camera = session.camera(&scene::builtin("cornell").unwrap().default_view(), 96, 64).unwrap();
+    let whole = |steps: &[u32]| {
+        let mut work = session.refinement(&camera);
+        for &rays in steps {
+            session.go_on(&mut work, camera.points(), Budget::rays(rays), Control::none()).unwrap();
+        }
+        work
+    };
+    // In the lattice, and in a round that was chosen.
+    for (first, then) in [(None, 4), (Some(4), 32)] {
+        let mut work = session.refinement(&camera);
+        if let Some(rays) = first {
+            session.go_on(&mut work, camera.points(), Budget::rays(rays), Control::none()).unwrap();
+        }
+        let (before, rays_before) = (work.estimates(), work.rays());
+        let (stopped, calls) = (AtomicBool::new(false), AtomicU64::new(0));
+        let progress = |_| {
+            if calls.fetch_add(1, Ordering::Relaxed) == 1 {
+                stopped.store(true, Ordering::Relaxed);
+            }
+        };
+        let control = Control { cancelled: &stopped, progress: &progress };
+        let ended = session.go_on(&mut work, camera.points(), Budget::rays(then), control).unwrap();
+        assert_eq!(ended, Ended::Cancelled);
+        assert!(work.rays() > rays_before, "something was found");
+        let after = work.estimates();
+        for (before, after) in before.iter().zip(&after) {
+            assert_eq!((before.visibility, before.error), (after.visibility, after.error));
+        }
+        session.go_on(&mut work, camera.points(), Budget::rays(then), Control::none()).unwrap();
+        let steps: Vec<u32> = first.into_iter().chain([then]).collect();
+        assert_eq!(work.estimates(), whole(&steps).estimates());
+    }
+}
+
+#[test]
 fn sessions_of_one_scene_share_what_is_built_and_build_what_is_missing() {
     let rays = session(Method::Rays);
     let options = SessionOptions::default();
     let settings = |method, voxels| AoSettings { method, voxels, ..AoSettings::default() };
     let cones = rays.with(&settings(Method::Cones, 64), &options, &|_| {}).unwrap();
     assert!(rays.octree().is_none() && cones.octree().is_some());
-    assert!(std::ptr::eq(rays.bvh(), cones.bvh()));
+    assert!(Arc::ptr_eq(rays.bvh(), cones.bvh()));
     let paper = cones.with(&settings(Method::Paper, 64), &options, &|_| {}).unwrap();
-    assert!(std::ptr::eq(paper.octree().unwrap(), cones.octree().unwrap()));
+    assert!(Arc::ptr_eq(paper.octree().unwrap(), cones.octree().unwrap()));
     let finer = cones.with(&settings(Method::Cones, 128), &options, &|_| {}).unwrap();
     assert_eq!(finer.octree().unwrap().resolution(), 128);
     assert!(rays.with(&settings(Method::Rays, 128), &options, &|_| {}).unwrap().octree().is_none());

@@ -26,6 +26,9 @@ const TRACED_AT_ONCE: usize = 1 << 18;
 /// Cones that are marched together where none gets rays.
 const MARCHED_AT_ONCE: usize = 1 << 20;
 
+/// As many times fewer where the device is a program on the CPU: so that it hears within a second or two that it is to stop.
+const SLOWER: usize = 32;
+
 /// Estimates points on a device.
 pub struct GpuBackend {
     gpu: Gpu,
@@ -89,7 +92,44 @@ impl GpuBackend {
         made.as_ref().map_err(Clone::clone)
     }
 
-    fn estimated(
+    /// [`Backend::estimate`] as a future: for a page, where nobody may wait for a device. It hears that it is to stop between the parts of its work.
+    ///
+    /// # Errors
+    /// What was not uploaded for the plan, or a device that fails.
+    pub async fn estimate_later(
+        &self,
+        plan: &AoPlan,
+        samples: Range<u32>,
+        points: &[SurfacePoint],
+        estimates: &mut [Estimate],
+        control: Control<'_>,
+    ) -> Result<(), BackendError> {
+        BackendError::check_lengths(points, estimates)?;
+        let cones = plan.cones.cones().len();
+        let slowness = if self.gpu.facts().is_software { SLOWER } else { 1 };
+        let at_once = match plan.method {
+            Method::Cones => MARCHED_AT_ONCE / cones,
+            Method::Paper => TRACED_AT_ONCE / cones,
+            _ => TRACED_AT_ONCE,
+        };
+        let at_once = at_once / slowness;
+        let device = |e: GpuError| BackendError::Device(e.to_string());
+        Self::check(plan).map_err(device)?;
+        for (points, estimates) in points.chunks(at_once).zip(estimates.chunks_mut(at_once)) {
+            if control.is_cancelled() {
+                return Ok(());
+            }
+            let found = self.estimated(plan, samples.clone(), points, control).await.map_err(device)?;
+            let Some(found) = found else { return Ok(()) };
+            for ((estimate, found), point) in estimates.iter_mut().zip(found).zip(points) {
+                *estimate = if point.is_valid() { found } else { Estimate::INVALID };
+            }
+            (control.progress)(points.len());
+        }
+        Ok(())
+    }
+
+    async fn estimated(
         &self,
         plan: &AoPlan,
         samples: Range<u32>,
@@ -102,25 +142,25 @@ impl GpuBackend {
         match plan.method {
             // One by one, points have no neighbours to share with.
             Method::Rays | Method::Hybrid => {
-                let found = rays()?.tallies(&self.gpu, plan, samples, points, control)?;
+                let found = rays()?.tallies(&self.gpu, plan, samples, points, control).await?;
                 Ok(found.map(|found| found.par_iter().map(|tally| tally.tally().estimate()).collect()))
             }
             Method::Cones => {
-                let mut found = cones()?.march(&self.gpu, plan, points)?;
+                let mut found = cones()?.march(&self.gpu, plan, points).await?;
                 let answers = ConeAnswers::new(plan);
                 let each = points.par_iter().zip(found.par_chunks_mut(plan.cones.cones().len()));
                 Ok(Some(each.map(|(point, results)| answers.estimate(point, results)).collect()))
             }
             Method::Paper => {
-                let marched = cones()?.march(&self.gpu, plan, points)?;
+                let marched = cones()?.march(&self.gpu, plan, points).await?;
                 let cone_rays = self.cone_rays.as_ref().ok_or_else(absent)?;
-                self.blended((cone_rays, rays()?), marched, plan, samples, points, control)
+                self.blended((cone_rays, rays()?), marched, plan, samples, points, control).await
             }
         }
     }
 
     /// What cones that were marched come to, with rays inside of those that are not trusted.
-    fn blended(
+    async fn blended(
         &self,
         (cone_rays, rays): (&ConeRays, &Rays),
         mut marched: Vec<ConeResult>,
@@ -137,7 +177,7 @@ impl GpuBackend {
             .flat_map_iter(|(point, results)| answers.ray_counts(point, results))
             .collect();
         let asked = Asked { frames, points, counts: &counts };
-        let found = cone_rays.tallies(&self.gpu, rays, plan, &asked, control)?;
+        let found = cone_rays.tallies(&self.gpu, rays, plan, &asked, control).await?;
         let Some(found) = found else { return Ok(None) };
         let tallies: Vec<RayTally> = found.par_iter().map(GpuTally::tally).collect();
         let each = points.par_iter().zip(marched.par_chunks(count)).zip(tallies.par_chunks(count));
@@ -155,27 +195,7 @@ impl Backend for GpuBackend {
         estimates: &mut [Estimate],
         control: Control<'_>,
     ) -> Result<(), BackendError> {
-        BackendError::check_lengths(points, estimates)?;
-        let cones = plan.cones.cones().len();
-        let at_once = match plan.method {
-            Method::Cones => MARCHED_AT_ONCE / cones,
-            Method::Paper => TRACED_AT_ONCE / cones,
-            _ => TRACED_AT_ONCE,
-        };
-        let device = |e: GpuError| BackendError::Device(e.to_string());
-        Self::check(plan).map_err(device)?;
-        for (points, estimates) in points.chunks(at_once).zip(estimates.chunks_mut(at_once)) {
-            if control.is_cancelled() {
-                return Ok(());
-            }
-            let found = self.estimated(plan, samples.clone(), points, control).map_err(device)?;
-            let Some(found) = found else { return Ok(()) };
-            for ((estimate, found), point) in estimates.iter_mut().zip(found).zip(points) {
-                *estimate = if point.is_valid() { found } else { Estimate::INVALID };
-            }
-            (control.progress)(points.len());
-        }
-        Ok(())
+        pollster::block_on(self.estimate_later(plan, samples, points, estimates, control))
     }
 
     fn hybrid_device(&self) -> Option<&dyn HybridDevice> {

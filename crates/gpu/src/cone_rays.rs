@@ -67,7 +67,7 @@ impl ConeRays {
     }
 
     /// What the rays of the cones of points met; nothing where the work was stopped.
-    pub(crate) fn tallies(
+    pub(crate) async fn tallies(
         &self,
         gpu: &Gpu,
         rays: &Rays,
@@ -107,6 +107,6 @@ impl ConeRays {
             let asked = [&uniform, &asked, &cone_buffer, &count_buffer, &tallies];
             self.kernel.run(gpu, &rays.scene.bindings, &asked, groups)?;
         }
-        gpu.read(&tallies, counts.len()).map(Some)
+        gpu.read_later(&tallies, counts.len()).await.map(Some)
     }
 }

@@ -30,7 +30,7 @@ impl Cones {
     }
 
     /// What the cones of points found, those of one point after those of the other.
-    pub(crate) fn march(
+    pub(crate) async fn march(
         &self,
         gpu: &Gpu,
         plan: &AoPlan,
@@ -48,7 +48,7 @@ impl Cones {
         let march = gpu.buffer("plan", bytes_of(&march), wgpu::BufferUsages::UNIFORM)?;
         let groups = (count as u32).div_ceil(GROUP);
         self.kernel.run(gpu, &self.bindings, &[&march, &asked, &axes, &results], groups)?;
-        let found: Vec<[f32; 2]> = gpu.read(&results, count)?;
+        let found: Vec<[f32; 2]> = gpu.read_later(&results, count).await?;
         Ok(found.into_iter().map(|[visibility, error]| ConeResult { visibility, error }).collect())
     }
 }

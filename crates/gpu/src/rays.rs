@@ -25,7 +25,7 @@ impl Rays {
     }
 
     /// What the rays of points met; nothing where the work was stopped.
-    pub(crate) fn tallies(
+    pub(crate) async fn tallies(
         &self,
         gpu: &Gpu,
         plan: &AoPlan,
@@ -47,6 +47,6 @@ impl Rays {
             let uniform = gpu.buffer("plan", bytes_of(&uniform), wgpu::BufferUsages::UNIFORM)?;
             self.kernel.run(gpu, &self.scene.bindings, &[&uniform, &asked, &tallies], groups)?;
         }
-        gpu.read(&tallies, points.len()).map(Some)
+        gpu.read_later(&tallies, points.len()).await.map(Some)
     }
 }

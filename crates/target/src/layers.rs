@@ -103,6 +103,11 @@ impl Layers {
         Self { width: map.width, height: map.height, channels, pending: map.missing() }
     }
 
+    /// Leaves out channels whose names begin so: what was not found out.
+    pub fn leave_out(&mut self, prefix: &str) {
+        self.channels.retain(|channel| !channel.name.starts_with(prefix));
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width

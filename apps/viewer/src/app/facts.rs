@@ -23,6 +23,7 @@ impl Viewer {
             "canvas": self.canvas.rect.map(|r| [r.min.x, r.min.y, r.max.x, r.max.y]),
             "places": self.shown.built.places,
             "measured": self.shown.measured,
+            "truth": self.shown.truth(&self.truth_key()).map(|truth| (truth.done, &truth.origin)),
             "boxes": self.shown.boxes.as_ref().map(|boxes| boxes.nodes.len()),
             "probe": self.shown.probe.as_ref().map(|probe| (probe.pixel, probe.cones.len(), probe.rays.len())),
         })

@@ -94,7 +94,10 @@ pub(super) fn layers(
     let (Some(target), Some(estimates)) = (job.target(), job.estimates(side)) else {
         return Err(request("there is no whole picture yet; try again in a moment"));
     };
-    let layers = target.resolve(&estimates).map_err(|e| trouble_of(&e.into()))?;
+    let mut layers = target.resolve(&estimates).map_err(|e| trouble_of(&e.into()))?;
+    if job.is_drawn(side) {
+        layers.leave_out("bent");
+    }
     let mut attributes = conray::settings_text(&job.wish.sides[side]);
     attributes.push(("scene".into(), scene.into()));
     if let Some(session) = held.sessions.get(side) {

@@ -7,24 +7,28 @@
 //! ```
 
 #[cfg(feature = "gpu")]
-use super::pictures::{Drawn, Pictures};
-use super::{Picture, SidePicture, Stop, Trouble, Wish, pace::Pace, planes, scenes::trouble_of};
-#[cfg(feature = "gpu")]
-use conray::BackendError;
+use super::pictures::Pictures;
+use super::{
+    Picture, SidePicture, Stop, Trouble, Wish,
+    pace::Pace,
+    planes,
+    scenes::trouble_of,
+    side::{Side, side_picture},
+};
 use conray::{
-    Budget, Control, Ended, Estimate, Method, PROGRESS_UNITS, Refinement, Session,
+    Budget, Control, Estimate, Session,
     target::{Camera, CameraTarget, Target},
 };
+#[cfg(feature = "gpu")]
+use conray::{Ended, Method};
 use std::sync::{
     Arc,
     atomic::{AtomicU64, Ordering},
 };
 use web_time::Instant;
 
-/// Rays a pixel of the first, coarse picture,
+/// Rays a pixel of the first, coarse picture.
 const COARSE_RAYS: u32 = 4;
-/// and of the first of all pixels.
-const FIRST_RAYS: u32 = 2;
 
 /// What a step came to.
 pub(super) enum Step {
@@ -51,36 +55,14 @@ pub(super) struct Job {
 pub(super) struct Means<'a> {
     /// One a side.
     pub(super) sessions: &'a [Session],
-    /// A device whose answers come later, for the side by method `hybrid`.
+    /// A device whose answers come later.
     #[cfg(feature = "gpu")]
     pub(super) pictures: Option<&'a mut Pictures>,
 }
 
-/// The work on one side.
-struct Side {
-    refinement: Option<Refinement>,
-    /// Instead of that, where a device makes the picture.
-    #[cfg(feature = "gpu")]
-    drawn: Option<Drawn>,
-    /// Rays a pixel of the next round.
-    next_rays: u32,
-    seconds: f64,
-    ended: Option<Ended>,
-    picture: Option<SidePicture>,
-}
-
 impl Job {
     pub(super) fn new(wish: Wish) -> Self {
-        let side = |_: &_| Side {
-            refinement: None,
-            #[cfg(feature = "gpu")]
-            drawn: None,
-            next_rays: FIRST_RAYS,
-            seconds: 0.0,
-            ended: None,
-            picture: None,
-        };
-        let sides = wish.sides.iter().map(side).collect();
+        let sides = wish.sides.iter().map(|_| Side::new()).collect();
         let facing = planes::Facing::default();
         Self { wish, start: Instant::now(), coarse_done: false, target: None, facing, sides }
     }
@@ -98,10 +80,13 @@ impl Job {
             return self.coarse(sessions, pace);
         }
         #[cfg(feature = "gpu")]
-        if let Some(pictures) = means.pictures
-            && let Some(step) = self.draw(sessions, pictures).await?
+        let mut pictures = means.pictures;
+        // A device sees for itself: its first pictures come before the points that the CPU knows.
+        #[cfg(feature = "gpu")]
+        if let Some(pictures) = &mut pictures
+            && let Some(index) = self.not_yet_drawn(sessions, pictures)
         {
-            return Ok(step);
+            return self.draw(index, &sessions[index], pictures).await;
         }
         if self.target.is_none() && !self.trace(sessions, stop)? {
             return Ok(Step::Stopped);
@@ -111,7 +96,17 @@ impl Job {
         let next = open.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(index, _)| index);
         let (Some(index), Some(target)) = (next, &self.target) else { return Ok(Step::Done) };
         let session = &sessions[index];
-        let grew = self.sides[index].go_on(session, target, stop, tell)?;
+        #[cfg(feature = "gpu")]
+        if let Some(pictures) = &mut pictures
+            && pictures.draw_for(session)
+        {
+            return self.draw(index, session, pictures).await;
+        }
+        #[cfg(feature = "gpu")]
+        let on = pictures.as_deref().filter(|pictures| pictures.serve(session)).map(Pictures::backend);
+        #[cfg(not(feature = "gpu"))]
+        let on = None;
+        let grew = self.sides[index].go_on(on, session, target, stop, tell).await?;
         if !grew {
             return Ok(Step::Stopped);
         }
@@ -209,23 +204,30 @@ impl Job {
 
 #[cfg(feature = "gpu")]
 impl Job {
-    /// The next picture of the side that a device draws, where it is that side's turn.
-    async fn draw(&mut self, sessions: &[Session], pictures: &mut Pictures) -> Result<Option<Step>, Trouble> {
-        let is_open = |(side, session): &(&mut Side, &Session)| {
-            session.plan().method == Method::Hybrid && side.ended.is_none()
+    /// True where a device made a side's picture, which keeps no directions.
+    pub(super) fn is_drawn(&self, side: usize) -> bool {
+        self.sides.get(side).is_some_and(|side| side.drawn.is_some())
+    }
+
+    /// A side that a device draws, and has not begun with.
+    fn not_yet_drawn(&self, sessions: &[Session], pictures: &Pictures) -> Option<usize> {
+        let is_new = |(side, session): (&Side, &Session)| {
+            side.drawn.is_none() && side.ended.is_none() && pictures.draw_for(session)
         };
-        let least = self.sides.iter().filter(|side| side.ended.is_none()).map(|side| side.seconds);
-        let least = least.fold(f64::INFINITY, f64::min);
-        let Some((side, session)) = self.sides.iter_mut().zip(sessions).find(is_open) else {
-            return Ok(None);
-        };
-        // After its first picture come the points that the CPU knows, and others' turns.
-        if side.drawn.is_some() && (self.target.is_none() || side.seconds > least) {
-            return Ok(None);
-        }
+        self.sides.iter().zip(sessions).position(is_new)
+    }
+
+    /// The next picture of a side that a device draws.
+    async fn draw(
+        &mut self,
+        index: usize,
+        session: &Session,
+        pictures: &mut Pictures,
+    ) -> Result<Step, Trouble> {
+        let side = &mut self.sides[index];
         let start = Instant::now();
-        let drawn = pictures.draw(session, &self.wish, side.drawn.as_ref()).await;
-        let drawn = drawn.map_err(|e| trouble_of(&BackendError::Device(e.to_string()).into()))?;
+        let drawn = pictures.draw(index, session, &self.wish, side.drawn.as_ref()).await;
+        let drawn = drawn.map_err(|e| trouble_of(&e))?;
         side.seconds += start.elapsed().as_secs_f64();
         let (found, budget) = (drawn.found, session.plan().budget);
         let is_late = budget.seconds.is_some_and(|seconds| side.seconds >= seconds);
@@ -246,83 +248,13 @@ impl Job {
             self.facing = drawn.facing(self.wish.look.eye.into());
         }
         side.drawn = Some(drawn);
-        Ok(Some(self.whole()))
+        Ok(self.whole())
     }
 }
 
-impl Side {
-    /// One round; false where something newer waits.
-    fn go_on(
-        &mut self,
-        session: &Session,
-        target: &CameraTarget,
-        stop: &Stop<'_>,
-        tell: &(dyn Fn(f32) + Sync),
-    ) -> Result<bool, Trouble> {
-        let (goal, start) = (session.plan().budget, Instant::now());
-        let left = goal.seconds.map_or(f64::INFINITY, |seconds| seconds - self.seconds);
-        let refinement = self.refinement.get_or_insert_with(|| session.refinement(target));
-        let done = AtomicU64::new(0);
-        let over = std::sync::atomic::AtomicBool::new(false);
-        let progress = |units: usize| {
-            let done = done.fetch_add(units as u64, Ordering::Relaxed) + units as u64;
-            if start.elapsed().as_secs_f64() > left {
-                over.store(true, Ordering::Relaxed);
-                stop.flag.store(true, Ordering::Relaxed);
-            }
-            stop.is_set();
-            tell(done as f32 / PROGRESS_UNITS as f32);
-        };
-        let budget = Budget { rays: self.next_rays.min(goal.rays), seconds: None, error: goal.error };
-        let control = Control { cancelled: stop.flag, progress: &progress };
-        let ended = session.go_on(refinement, target.points(), budget, control);
-        self.seconds += start.elapsed().as_secs_f64();
-        let timed_out = over.load(Ordering::Relaxed);
-        if timed_out {
-            // The flag was ours; whatever is newer is found out again.
-            stop.flag.store(false, Ordering::Relaxed);
-        }
-        match ended.map_err(|e| trouble_of(&e))? {
-            Ended::Cancelled if timed_out => self.ended = Some(Ended::Time),
-            Ended::Cancelled => return Ok(false),
-            Ended::Rays
-                if self.next_rays < goal.rays && self.seconds < goal.seconds.unwrap_or(f64::INFINITY) =>
-            {
-                self.next_rays = self.next_rays.saturating_mul(2);
-            }
-            Ended::Rays if self.next_rays < goal.rays => self.ended = Some(Ended::Time),
-            ended => self.ended = Some(ended),
-        }
-        Ok(true)
-    }
-
-    fn picture_of(&self, session: &Session, target: &CameraTarget, size: [u32; 2]) -> Option<SidePicture> {
-        let refinement = self.refinement.as_ref()?;
-        Some(side_picture(session, target, refinement, size, self.seconds, self.ended))
-    }
-}
-
-fn side_picture(
-    session: &Session,
-    target: &CameraTarget,
-    refinement: &Refinement,
-    size: [u32; 2],
-    seconds: f64,
-    ended: Option<Ended>,
-) -> SidePicture {
-    let estimates = session.install(|| refinement.estimates());
-    let points = target.points().len().max(1);
-    let planes = session.install(|| planes::of_estimates(target.points(), &estimates, size));
-    let method: Method = refinement.plan().method;
-    SidePicture {
-        method,
-        visibility: planes.visibility,
-        error: planes.error,
-        rays: planes.rays,
-        cones: planes.cones,
-        expected_rmse: session.install(|| refinement.expected_rmse()),
-        rays_per_pixel: refinement.rays() as f64 / points as f64,
-        seconds,
-        ended: ended.map(|ended| ended.to_string()),
+#[cfg(not(feature = "gpu"))]
+impl Job {
+    pub(super) fn is_drawn(&self, _: usize) -> bool {
+        false
     }
 }

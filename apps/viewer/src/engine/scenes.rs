@@ -6,7 +6,7 @@ use super::{
 };
 use crate::camera::Look;
 use conray::{
-    Alpha, AoSettings, Device, Error, Event, Observer, Session, SessionOptions,
+    Alpha, AoSettings, Error, Event, Observer, Session, SessionOptions,
     scene::{self, Limits, Scene},
 };
 use std::{io, path::Path};
@@ -21,7 +21,6 @@ pub(super) struct Held {
     pub(super) sessions: Vec<Session>,
     /// The settings that they are by.
     sides: Vec<AoSettings>,
-    options: SessionOptions,
     alpha: Alpha,
 }
 
@@ -44,17 +43,17 @@ impl Held {
             warnings: scene.warnings.iter().map(ToString::to_string).collect(),
         };
         let (sessions, sides) = (Vec::new(), Vec::new());
-        let (options, alpha) = (SessionOptions::default(), Alpha::default());
-        Ok((Self { number, source, scene: Some(scene), sessions, sides, options, alpha }, facts))
+        let alpha = Alpha::default();
+        Ok((Self { number, source, scene: Some(scene), sessions, sides, alpha }, facts))
     }
 
     /// Builds what a wish needs and is not there; where that fails all stays as it was.
     pub(super) fn prepare(&mut self, wish: &Wish, observer: Observer<'_>) -> Result<bool, Trouble> {
-        let options = SessionOptions { threads: 0, device: wish.device, adapter: wish.adapter.clone() };
-        let same_place = (options.device, &options.adapter) == (self.options.device, &self.options.adapter);
-        if self.sides == wish.sides && same_place && !self.sessions.is_empty() {
+        if self.sides == wish.sides && !self.sessions.is_empty() {
             return Ok(false);
         }
+        // On the CPU, on all of its threads: devices are asked beside it (pictures.rs).
+        let options = SessionOptions::default();
         let trouble = |e: Error| trouble_of(&e);
         // What is wrong with settings is told before anything is built.
         for settings in &wish.sides {
@@ -74,7 +73,6 @@ impl Held {
                         scene: None,
                     })?,
                 };
-                let options = SessionOptions { device: Device::Cpu, ..options.clone() };
                 let session = Session::build_observed(scene.geometry, &plain(first), &options, observer);
                 built = session.map_err(trouble)?;
                 &built
@@ -86,7 +84,7 @@ impl Held {
             sessions.push(base.with(settings, &options, observer).map_err(trouble)?);
         }
         self.alpha = first.alpha;
-        (self.sessions, self.sides, self.options) = (sessions, wish.sides.clone(), options);
+        (self.sessions, self.sides) = (sessions, wish.sides.clone());
         Ok(true)
     }
 
@@ -98,31 +96,11 @@ impl Held {
         let (Some(session), Some(settings)) = (self.sessions.first(), self.sides.first()) else {
             return Ok(false);
         };
-        let session = session.with_octree(settings, &self.options, observer).map_err(|e| trouble_of(&e))?;
+        let session = session
+            .with_octree(settings, &SessionOptions::default(), observer)
+            .map_err(|e| trouble_of(&e))?;
         self.sessions[0] = session;
         Ok(true)
-    }
-
-    /// True where a session works on a device.
-    pub(super) fn places_on_devices(&self) -> bool {
-        self.sessions.iter().any(|session| !session.report().device.starts_with("CPU"))
-    }
-
-    /// How sessions work by now: on the CPU once a device has failed, and on a page, where no session may wait for one.
-    pub(super) fn options_now(&self) -> SessionOptions {
-        match self.places_on_devices() {
-            true => self.options.clone(),
-            false => SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() },
-        }
-    }
-
-    /// From now on on the CPU, whatever is wished for, until another place is.
-    pub(super) fn move_to_cpu(&mut self) -> Result<(), Trouble> {
-        let cpu = SessionOptions { device: Device::Cpu, adapter: None, ..self.options.clone() };
-        for (session, settings) in self.sessions.iter_mut().zip(&self.sides) {
-            *session = session.with(settings, &cpu, &|_| {}).map_err(|e| trouble_of(&e))?;
-        }
-        Ok(())
     }
 
     /// The session that knows the octree, if one does.

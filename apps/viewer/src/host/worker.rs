@@ -129,7 +129,7 @@ impl WorkerEngine {
     #[expect(clippy::new_without_default, reason = "for JavaScript")]
     pub fn new() -> Self {
         console_error_panic_hook::set_once();
-        Self { engine: Engine::of_page() }
+        Self { engine: Engine::default() }
     }
 
     /// Takes an order's bytes.

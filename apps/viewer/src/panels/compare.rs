@@ -122,7 +122,10 @@ pub(super) fn truth(viewer: &mut Viewer, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let rays = DragValue::new(&mut viewer.fields.truth_rays).range(64..=16384).suffix(" rays a pixel");
         named(&ui.add(rays), "rays a pixel of the truth");
-        if ui.button("Find it").on_hover_text("By rays of another seed; refining goes on after it").clicked()
+        if ui
+            .button("Find it")
+            .on_hover_text("By rays of another seed (T); refining goes on after it")
+            .clicked()
         {
             viewer.ask(Question::Truth { key: key.clone(), rays: viewer.fields.truth_rays });
         }

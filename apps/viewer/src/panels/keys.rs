@@ -1,6 +1,6 @@
 //! Keys that work wherever the focus is, but while text is typed.
 
-use crate::{app::Viewer, layers::Layer, panels::scene::reset_view};
+use crate::{app::Viewer, engine::Question, layers::Layer, panels::scene::reset_view};
 use conray::Method;
 use egui::{Context, Key};
 
@@ -19,6 +19,10 @@ pub(crate) fn keys(viewer: &mut Viewer, ctx: &Context) {
     }
     if pressed(Key::B) {
         viewer.choices.is_split = !viewer.choices.is_split;
+    }
+    if pressed(Key::T) {
+        let (key, rays) = (viewer.truth_key(), viewer.fields.truth_rays);
+        viewer.ask(Question::Truth { key, rays });
     }
     if pressed(Key::Home) {
         reset_view(viewer);

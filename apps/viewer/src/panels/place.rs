@@ -9,12 +9,12 @@ pub(super) fn place(viewer: &mut Viewer, ui: &mut Ui) {
     let is_page = cfg!(target_arch = "wasm32");
     let hints = match is_page {
         true => [
-            "Method hybrid by the browser's graphics processor where it has one; all else on the CPU",
+            "The browser's graphics processor where it has one, else the CPU",
             "In a worker of this page, on one thread",
-            "Method hybrid by the browser's WebGPU, also where that is a program on the CPU",
+            "The browser's WebGPU, also where that is a program on the CPU",
         ],
         false => [
-            "A graphics processor where there is one and it has all of the method, else the CPU",
+            "A graphics processor where there is one, else the CPU",
             "All cores",
             "A graphics processor, also one that is a program on the CPU",
         ],
@@ -55,7 +55,7 @@ fn places(viewer: &Viewer, ui: &mut Ui) {
 }
 
 /// What keys and the mouse do, for people.
-const KEYS: [(&str, &str); 11] = [
+const KEYS: [(&str, &str); 12] = [
     ("drag", "orbit"),
     ("right or shift-drag", "pan"),
     ("ctrl-drag", "turn the head"),
@@ -65,6 +65,7 @@ const KEYS: [(&str, &str); 11] = [
     ("click", "probe; double: turn about it"),
     ("L, M", "next layer, next method"),
     ("B", "two side by side"),
+    ("T", "find the truth of this view"),
     ("Home", "first view"),
     ("Tab, Space, Escape", "next control, press it, put away"),
 ];

@@ -96,6 +96,8 @@ pub struct Hybrid {
     foreseen_rmse: Option<[f64; 2]>,
     /// What a device said when it failed.
     failure: Option<BackendError>,
+    /// True where what an interrupted round found is not weighed before work goes on.
+    weighs_later: bool,
 }
 
 impl Hybrid {
@@ -129,6 +131,7 @@ impl Hybrid {
             foreseen: 0.0,
             foreseen_rmse: None,
             failure: None,
+            weighs_later: false,
             pixels,
         }
     }
@@ -136,6 +139,12 @@ impl Hybrid {
     /// The same work by other constants, for experiments: to be set before the first rays.
     pub fn with_constants(self, constants: HybridConstants) -> Self {
         Self { constants, ..self }
+    }
+
+    /// From now on what an interrupted round found is weighed when work goes on, and estimates are those before it: for those who show nothing of work
+    /// that was stopped, and do not want to wait for it.
+    pub fn weigh_later(&mut self) {
+        self.weighs_later = true;
     }
 
     /// Rays traced so far.

@@ -130,7 +130,7 @@ impl Hybrid {
             self.started = false;
         }
         self.start(work, self.foreseen);
-        self.weigh(&work.weigher, work.bvh.level(), Weighed::Shown);
+        self.weigh_shown(work, self.started);
         self.note(work);
         if work.budget.seconds.is_some() && self.started {
             self.choose_method(work);
@@ -165,9 +165,16 @@ impl Hybrid {
             return false;
         }
         let whole = self.trace(work, &orders, until);
-        self.weigh(&work.weigher, work.bvh.level(), Weighed::Shown);
+        self.weigh_shown(work, whole);
         self.note(work);
         whole
+    }
+
+    /// Weighs what is shown, but for what an interrupted round found where nobody looks at it.
+    fn weigh_shown(&mut self, work: &Work<'_>, is_whole: bool) {
+        if is_whole || !self.weighs_later || self.failure.is_some() {
+            self.weigh(&work.weigher, work.bvh.level(), Weighed::Shown);
+        }
     }
 
     /// Keeps what a whole round came to.

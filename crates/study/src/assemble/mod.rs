@@ -84,7 +84,7 @@ pub(crate) fn case_report(
         triangles: session.geometry().triangle_count(),
         points: case.points().len(),
         distance: distance.is_finite().then(|| f64::from(distance)),
-        voxels: session.octree().map_or(0, conray_voxel::Octree::resolution),
+        voxels: session.octree().map_or(0, |octree| octree.resolution()),
         voxel_size: session.octree().map_or(0.0, |o| f64::from(o.voxel_size())),
         truth: TruthReport {
             rays: truth.rays,

@@ -32,7 +32,7 @@ pub(super) struct Occluders<'a> {
 
 impl<'a> Occluders<'a> {
     pub(super) fn new(session: &'a Session, point: &'a SurfacePoint) -> Self {
-        let voxel = session.octree().map_or(1.0, Octree::voxel_size);
+        let voxel = session.octree().map_or(1.0, |octree| octree.voxel_size());
         Self { session, point, voxel, sums: OccluderFacts::default() }
     }
 
