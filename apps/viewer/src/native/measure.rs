@@ -167,8 +167,10 @@ impl eframe::App for Measure {
         } else if self.begun.elapsed() > PATIENCE {
             self.end(&ctx, Err(Failed { code: 1, message: "it takes too long".into() }));
         }
-        if self.moves.len() < MOVES + UNTIMED {
-            ctx.request_repaint_after(Duration::from_millis(2));
+        // What comes back wakes the window by itself; frames in between would take the processor from what is measured.
+        if self.moves.len() < MOVES + UNTIMED && self.moved.is_none() {
+            let wait = self.next_move.saturating_duration_since(Instant::now());
+            ctx.request_repaint_after(wait.max(Duration::from_millis(2)));
         }
     }
 }
