@@ -28,7 +28,9 @@ fn every_query_tells_open_from_blocked() {
         packets::<16>(&embree);
 
         let nearest = embree.nearest(&ray(10.2, 2.0)).unwrap();
-        assert_eq!((nearest.t, nearest.instance, nearest.triangle), (1.0, 0, 0));
+        // Embree divides by an estimate of the reciprocal, which processors round differently.
+        assert!((nearest.t - 1.0).abs() <= f32::EPSILON, "{}", nearest.t);
+        assert_eq!((nearest.instance, nearest.triangle), (0, 0));
         let [u, v] = nearest.barycentric;
         assert!((u - 0.2).abs() < 1e-5 && (v - 0.2).abs() < 1e-5, "{u} {v}");
         assert_eq!(embree.nearest(&ray(9.9, 2.0)), None);
