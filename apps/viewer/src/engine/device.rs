@@ -1,20 +1,14 @@
 //! The device beside the CPU: opened where it is wished for, left where it is not, and where it fails.
-
-#[cfg(feature = "gpu")]
-use super::pictures;
-use super::{Engine, Fault, Report, Trouble, Wish};
+use super::{Engine, Fault, Report, Trouble, Wish, pictures};
 use conray::Device;
 
 /// What is not asked for again.
-#[cfg(feature = "gpu")]
 #[derive(Clone, Copy)]
 pub(super) struct Refused {
     device: Device,
     /// True where it was asked for with an octree: it may have room for all else.
     with_octree: bool,
 }
-
-#[cfg(feature = "gpu")]
 impl Engine {
     /// Opens a device where one is wished for and not there; true where that changed anything. The first picture comes before: it does not wait for
     /// shaders.
@@ -55,10 +49,6 @@ impl Engine {
         is_other && self.pictures.take().is_some()
     }
 
-    pub(super) fn has_device(&self) -> bool {
-        self.pictures.is_some()
-    }
-
     /// Has the device fail, as drivers do; for tests.
     #[doc(hidden)]
     pub fn lose_device(&self) {
@@ -83,44 +73,19 @@ impl Engine {
         }
         report(Report::Built(built));
     }
-}
 
-#[cfg(not(feature = "gpu"))]
-impl Engine {
-    pub(super) async fn open_device(&mut self, _: &(dyn Fn(Report) + Sync)) -> bool {
-        false
-    }
-
-    pub(super) fn leave_device(&mut self, _: &Wish) -> bool {
-        false
-    }
-
-    pub(super) fn has_device(&self) -> bool {
-        false
-    }
-
-    pub(super) fn drop_device(&mut self, _: Option<Device>) {}
-
-    pub(super) fn tell_built(&self, report: &(dyn Fn(Report) + Sync)) {
-        if let Some(held) = &self.held {
-            report(Report::Built(held.built()));
-        }
-    }
-}
-
-impl Engine {
     /// Leaves a device that failed, and says so; trouble of another kind is handed back.
     pub(super) fn take_over(
         &mut self,
-        wish: &Wish,
+        device: Device,
         trouble: Trouble,
         report: &(dyn Fn(Report) + Sync),
     ) -> Result<(), Trouble> {
-        if !self.has_device() || trouble.fault != Fault::Work {
+        if self.pictures.is_none() || trouble.fault != Fault::Work {
             return Err(trouble);
         }
         report(Report::Trouble(trouble));
-        self.drop_device(Some(wish.device));
+        self.drop_device(Some(device));
         self.tell_built(report);
         report(Report::Notice("the CPU has taken over".into()));
         Ok(())

@@ -5,22 +5,18 @@
 //! all pixels, few rays -> Picture
 //! side after side, twice as many rays -> Picture ... until each has what it was to reach
 //! ```
-
-#[cfg(feature = "gpu")]
-use super::pictures::Pictures;
 use super::{
     Picture, SidePicture, Stop, Trouble, Wish,
     pace::Pace,
+    pictures::Pictures,
     planes,
     scenes::trouble_of,
     side::{Side, side_picture},
 };
 use conray::{
-    Budget, Control, Estimate, Session,
+    Budget, Control, Ended, Estimate, Method, Session,
     target::{Camera, CameraTarget, Target},
 };
-#[cfg(feature = "gpu")]
-use conray::{Ended, Method};
 use std::sync::{
     Arc,
     atomic::{AtomicU64, Ordering},
@@ -56,7 +52,6 @@ pub(super) struct Means<'a> {
     /// One a side.
     pub(super) sessions: &'a [Session],
     /// A device whose answers come later.
-    #[cfg(feature = "gpu")]
     pub(super) pictures: Option<&'a mut Pictures>,
 }
 
@@ -75,14 +70,11 @@ impl Job {
         stop: &Stop<'_>,
         tell: &(dyn Fn(f32) + Sync),
     ) -> Result<Step, Trouble> {
-        let sessions = means.sessions;
+        let Means { sessions, mut pictures } = means;
         if !self.coarse_done {
             return self.coarse(sessions, pace);
         }
-        #[cfg(feature = "gpu")]
-        let mut pictures = means.pictures;
         // A device sees for itself: its first pictures come before the points that the CPU knows.
-        #[cfg(feature = "gpu")]
         if let Some(pictures) = &mut pictures
             && let Some(index) = self.not_yet_drawn(sessions, pictures)
         {
@@ -96,16 +88,12 @@ impl Job {
         let next = open.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(index, _)| index);
         let (Some(index), Some(target)) = (next, &self.target) else { return Ok(Step::Done) };
         let session = &sessions[index];
-        #[cfg(feature = "gpu")]
         if let Some(pictures) = &mut pictures
             && pictures.draw_for(session)
         {
             return self.draw(index, session, pictures).await;
         }
-        #[cfg(feature = "gpu")]
         let on = pictures.as_deref().filter(|pictures| pictures.serve(session)).map(Pictures::backend);
-        #[cfg(not(feature = "gpu"))]
-        let on = None;
         let grew = self.sides[index].go_on(on, session, target, stop, tell).await?;
         if !grew {
             return Ok(Step::Stopped);
@@ -181,7 +169,6 @@ impl Job {
     }
 
     /// True once something is shown.
-    #[cfg(feature = "gpu")]
     pub(super) fn has_first_picture(&self) -> bool {
         self.coarse_done
     }
@@ -194,15 +181,12 @@ impl Job {
     /// The estimates of a side so far.
     pub(super) fn estimates(&self, side: usize) -> Option<Vec<Estimate>> {
         let side = self.sides.get(side)?;
-        #[cfg(feature = "gpu")]
         if let (Some(drawn), Some(target)) = (&side.drawn, &self.target) {
             return Some(drawn.estimates(target.points()));
         }
         Some(side.refinement.as_ref()?.estimates())
     }
 }
-
-#[cfg(feature = "gpu")]
 impl Job {
     /// True where a device made a side's picture, which keeps no directions.
     pub(super) fn is_drawn(&self, side: usize) -> bool {
@@ -249,12 +233,5 @@ impl Job {
         }
         side.drawn = Some(drawn);
         Ok(self.whole())
-    }
-}
-
-#[cfg(not(feature = "gpu"))]
-impl Job {
-    pub(super) fn is_drawn(&self, _: usize) -> bool {
-        false
     }
 }

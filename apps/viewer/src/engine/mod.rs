@@ -17,7 +17,6 @@ mod device;
 mod job;
 mod order;
 mod pace;
-#[cfg(feature = "gpu")]
 mod pictures;
 mod planes;
 mod report;
@@ -57,10 +56,8 @@ pub struct Engine {
     truth: Option<truth::TruthWork>,
     pace: Pace,
     /// A device's part, where there is one.
-    #[cfg(feature = "gpu")]
     pictures: Option<pictures::Pictures>,
     /// Wishes for this are in vain: it is not there, or failed, or takes no octree. It is asked for again once another place was wished for.
-    #[cfg(feature = "gpu")]
     refused: Option<device::Refused>,
     /// True once it was told that nothing is left to do.
     is_idle: bool,
@@ -153,11 +150,7 @@ impl Engine {
                 report(Report::Busy("refining".into(), Some(share)));
             }
         };
-        let work = job::Means {
-            sessions: &held.sessions,
-            #[cfg(feature = "gpu")]
-            pictures: self.pictures.as_mut(),
-        };
+        let work = job::Means { sessions: &held.sessions, pictures: self.pictures.as_mut() };
         match job.step(work, &mut self.pace, stop, &tell).await {
             Ok(Step::Picture(picture)) => report(Report::Picture(picture)),
             Ok(Step::Stopped) => {}
@@ -165,7 +158,7 @@ impl Engine {
             Err(trouble) => {
                 let wish = job.wish.clone();
                 self.job = None;
-                self.take_over(&wish, trouble, report)?;
+                self.take_over(wish.device, trouble, report)?;
                 // From the beginning.
                 self.job = Some(Job::new(wish));
             }

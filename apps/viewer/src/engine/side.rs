@@ -1,20 +1,12 @@
 //! The work on one side: rounds of twice as many rays each, until it has what it was to reach.
-
-#[cfg(feature = "gpu")]
-use super::pictures::Drawn;
-use super::{SidePicture, Stop, Trouble, planes, scenes::trouble_of};
+use super::{SidePicture, Stop, Trouble, pictures::Drawn, planes, scenes::trouble_of};
 use conray::{
     Budget, Control, Ended, Method, PROGRESS_UNITS, Refinement, Session, SurfacePoint,
+    gpu::GpuBackend,
     target::{CameraTarget, Target},
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use web_time::Instant;
-
-/// Where passes are carried out besides the CPU.
-#[cfg(feature = "gpu")]
-pub(super) type Backend = conray::gpu::GpuBackend;
-#[cfg(not(feature = "gpu"))]
-pub(super) type Backend = std::convert::Infallible;
 
 /// Rays a pixel of the first round.
 const FIRST_RAYS: u32 = 2;
@@ -23,7 +15,6 @@ const FIRST_RAYS: u32 = 2;
 pub(super) struct Side {
     pub(super) refinement: Option<Refinement>,
     /// Instead of that, where a device makes the whole picture.
-    #[cfg(feature = "gpu")]
     pub(super) drawn: Option<Drawn>,
     /// Rays a pixel of the next round.
     next_rays: u32,
@@ -37,7 +28,6 @@ impl Side {
     pub(super) fn new() -> Self {
         Self {
             refinement: None,
-            #[cfg(feature = "gpu")]
             drawn: None,
             next_rays: FIRST_RAYS,
             seconds: 0.0,
@@ -49,7 +39,7 @@ impl Side {
     /// One round, on a device where one is given; false where something newer waits.
     pub(super) async fn go_on(
         &mut self,
-        on: Option<&Backend>,
+        on: Option<&GpuBackend>,
         session: &Session,
         target: &CameraTarget,
         stop: &Stop<'_>,
@@ -105,7 +95,7 @@ impl Side {
 
 /// [`Session::go_on`], on a device where one is given.
 pub(super) async fn more(
-    on: Option<&Backend>,
+    on: Option<&GpuBackend>,
     session: &Session,
     refinement: &mut Refinement,
     points: &[SurfacePoint],
@@ -113,9 +103,8 @@ pub(super) async fn more(
     control: Control<'_>,
 ) -> Result<Ended, conray::Error> {
     match on {
-        #[cfg(feature = "gpu")]
         Some(device) => session.go_on_later(device, refinement, points, budget, control).await,
-        _ => session.go_on(refinement, points, budget, control),
+        None => session.go_on(refinement, points, budget, control),
     }
 }
 

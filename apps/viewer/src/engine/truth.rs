@@ -43,16 +43,13 @@ impl Engine {
             stop.is_set();
         };
         let control = Control { cancelled: stop.flag, progress: &progress };
-        #[cfg(feature = "gpu")]
         let on = self.pictures.as_ref().filter(|p| p.serve(&work.session)).map(|p| p.backend());
-        #[cfg(not(feature = "gpu"))]
-        let on = None;
         let budget = Budget::rays(next);
         let (session, refinement) = (&work.session, &mut work.refinement);
         if let Err(e) = side::more(on, session, refinement, target.points(), budget, control).await {
             // A pass that failed left no trace.
-            let (wish, truth) = (job.wish.clone(), self.truth.take());
-            self.take_over(&wish, scenes::trouble_of(&e), report)?;
+            let (device, truth) = (job.wish.device, self.truth.take());
+            self.take_over(device, scenes::trouble_of(&e), report)?;
             self.truth = truth;
             return Ok(());
         }

@@ -85,6 +85,8 @@ pub struct Hybrid {
     known: Known,
     /// True where a device weighed it.
     known_on_device: bool,
+    /// True where it holds what an interrupted round found.
+    known_of_unfinished: bool,
     weigher: Weigher,
     rounds: Vec<Round>,
     /// How many rounds there were when work began anew with full bundles, if it did.
@@ -123,6 +125,7 @@ impl Hybrid {
             pilot_rays: 0,
             known: Known::default(),
             known_on_device: false,
+            known_of_unfinished: false,
             weigher: Weigher::default(),
             rounds: Vec::new(),
             begun_anew: None,

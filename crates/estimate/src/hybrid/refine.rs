@@ -94,7 +94,7 @@ impl Hybrid {
         }
         // An interrupted round is gone on with by what was known when it began, and known where it goes on: devices round as they do.
         let known_elsewhere = self.known_on_device != work.weigher.is_some() && self.choice == Choice::Hybrid;
-        if self.started && (known_elsewhere || !self.unfinished.is_empty()) && !control.is_cancelled() {
+        if self.started && (known_elsewhere || self.known_of_unfinished) && !control.is_cancelled() {
             self.weigh(&work.weigher, work.bvh.level(), Weighed::WholeRounds);
         }
         loop {

@@ -77,6 +77,7 @@ impl Hybrid {
             Weighed::Shown => shown(&self.tallies, &self.unfinished),
             Weighed::WholeRounds => Cow::Borrowed(&self.tallies[..]),
         };
+        self.known_of_unfinished = what == Weighed::Shown && !self.unfinished.is_empty();
         let told = on_device.as_ref().map(|device| device.weigh(&tallies, &self.rays));
         self.known_on_device = matches!(told, Some(Ok(_)));
         match told {
